@@ -1,0 +1,60 @@
+"""Checks of arguments, in one voice: every refusal names the argument, its value and what is allowed."""
+
+import numpy as np
+
+
+def require_finite(name, value):
+    """Return `value` as a float array; raise ValueError if any element is NaN or infinite."""
+    array = _as_float(name, value)
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} must be finite, but {_shown(array[~np.isfinite(array)])} was given")
+    return array
+
+
+def require_positive(name, value):
+    """Return `value` as a float array; raise ValueError unless every element is finite and above zero."""
+    array = require_finite(name, value)
+    if not np.all(array > 0):
+        raise ValueError(f"{name} must be above 0, but {_shown(array[array <= 0])} was given")
+    return array
+
+
+def require_between(name, value, low, high):
+    """Return `value` as a float array; raise ValueError unless low <= every element <= high."""
+    array = require_finite(name, value)
+    outside = (array < low) | (array > high)
+    if np.any(outside):
+        raise ValueError(f"{name} must lie between {low:g} and {high:g}, but {_shown(array[outside])} was given")
+    return array
+
+
+def require_shape(name, value, shape):
+    """Return `value` as a float array whose last axes are `shape`; None stands for any length.
+
+    Leading axes are free: `require_shape("velocity", v, (None, 3))` takes (n, 3) and (trials, n, 3).
+    """
+    array = _as_float(name, value)
+    tail = array.shape[max(array.ndim - len(shape), 0):]
+    fits = len(tail) == len(shape) and all(want in (None, have) for want, have in zip(shape, tail))
+    if not fits:
+        wanted = ", ".join("n" if length is None else str(length) for length in shape)
+        raise ValueError(f"{name} must have shape (..., {wanted}), but {array.shape} was given")
+    return array
+
+
+def require_choice(name, value, choices):
+    """Return `value`; raise ValueError unless it is one of `choices`."""
+    if value not in choices:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, but {value!r} was given")
+    return value
+
+
+def _as_float(name, value):
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number or an array of numbers, but {value!r} was given") from None
+
+
+def _shown(array):
+    return f"{np.ravel(array)[0]:g}"

@@ -1,0 +1,107 @@
+"""What a notebook says about answers and claims: a verdict on an exercise, and the table of a paper's claims."""
+
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+
+from labsim.arguments import require_choice
+
+HOLDS = "holds"
+CONDITIONAL = "holds with conditions"
+FAILS = "does not hold"
+VERDICTS = (HOLDS, CONDITIONAL, FAILS)
+
+
+@dataclass(frozen=True)
+class Feedback:
+    """What the lab says of an answer: `status` is "not answered yet", "right" or "look again"."""
+
+    status: str
+    hint: str = ""
+
+    @property
+    def right(self):
+        """True for a right answer."""
+        return self.status == "right"
+
+    def __repr__(self):
+        return f"{self.status}: {self.hint}" if self.hint else self.status
+
+
+NOT_ANSWERED = Feedback("not answered yet", "replace the ... above by your answer and run the cell again")
+
+
+def check_number(answer, expected, tolerance, hint="", mistakes=()):
+    """Feedback on a numeric answer.
+
+    answer : a number, or ... while unanswered
+    expected, tolerance : right if |answer - expected| <= tolerance * |expected|
+    hint : what to look at again; mistakes : pairs (wrong number, what it tells about the mistake)
+    """
+    if answer is ... or answer is None:
+        return NOT_ANSWERED
+    try:
+        answer = float(answer)
+    except (TypeError, ValueError):
+        return Feedback("look again", f"the answer must be one number, but it is {answer!r}")
+    if not np.isfinite(answer):
+        return Feedback("look again", "the answer must be a finite number")
+    if abs(answer - expected) <= tolerance * abs(expected):
+        return Feedback("right")
+    for wrong, explanation in mistakes:
+        if abs(answer - wrong) <= tolerance * abs(wrong):
+            return Feedback("look again", explanation)
+    return Feedback("look again", hint)
+
+
+def check_choice(answer, expected, choices, hint=""):
+    """Feedback on an answer that is one of `choices`, or ... while unanswered."""
+    if answer is ... or answer is None:
+        return NOT_ANSWERED
+    if answer not in choices:
+        return Feedback("look again", f"the answer must be one of {', '.join(map(repr, choices))}")
+    return Feedback("right") if answer == expected else Feedback("look again", hint)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim of a paper: the statement, the paper's value, ours with its uncertainty, and a verdict."""
+
+    statement: str
+    paper: str
+    measured: str
+    verdict: str
+
+    def __post_init__(self):
+        require_choice("verdict", self.verdict, VERDICTS)
+
+
+class ClaimsTable:
+    """The claims of one paper, shown as a table."""
+
+    HEAD = ("The paper says", "its value", "we measure", "verdict")
+
+    def __init__(self, *claims):
+        self.claims = claims
+
+    def __repr__(self):
+        rows = [(c.statement, c.paper, c.measured, c.verdict) for c in self.claims]
+        return "\n".join(" | ".join(row) for row in (self.HEAD, *rows))
+
+    def _repr_html_(self):
+        head = "".join(f'<th style="text-align:left">{escape(title)}</th>' for title in self.HEAD)
+        body = "".join(
+            "<tr>"
+            + "".join(f'<td style="text-align:left">{escape(t)}</td>' for t in (c.statement, c.paper, c.measured))
+            + f'<td style="text-align:left"><b>{escape(c.verdict)}</b></td></tr>'
+            for c in self.claims
+        )
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def verdict(holds, everywhere=True):
+    """The verdict on a claim, from two measured truths: it holds at all, and it holds without conditions."""
+    if not holds:
+        return FAILS
+    return HOLDS if everywhere else CONDITIONAL

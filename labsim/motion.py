@@ -1,0 +1,190 @@
+"""Tracks of moving vessels, simulated or recorded, and the time at which a sound left them.
+
+A track gives a horizontal position for every time. What a sensor hears at time t left the vessel
+earlier, at the retarded time, and comes from where the vessel was then.
+"""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PPoly
+
+from labsim.arguments import require_finite, require_positive, require_shape
+
+EARTH_RADIUS = 6_371_008.8
+
+
+@dataclass(frozen=True)
+class Track:
+    """A horizontal path in time: `path` is a piecewise polynomial with two components, metres.
+
+    It is defined from `start_time` to `end_time`, seconds; make one with `straight_track`,
+    `speed_profile_track`, `waypoint_track` or `load_track`.
+    """
+
+    path: PPoly
+    start_time: float
+    end_time: float
+
+    def position(self, time):
+        """Position at times (...), s; returns (..., 2), m. Before and after the track it runs straight on."""
+        inside = np.clip(time, self.start_time, self.end_time)
+        return self.path(inside) + self._excess(time, inside) * self.path(inside, 1)
+
+    def velocity(self, time):
+        """Velocity at times (...), s; returns (..., 2), m/s."""
+        return self.path(np.clip(time, self.start_time, self.end_time), 1)
+
+    def _excess(self, time, inside):
+        with np.errstate(invalid="ignore"):
+            return np.nan_to_num(np.asarray(time, dtype=float) - inside)[..., None]
+
+
+def straight_track(start, speed, heading):
+    """Constant velocity.
+
+    start : (2,), position at time 0, m; speed : m/s, not negative
+    heading : direction of motion, radians from the x axis towards the y axis
+    Raises ValueError for a negative speed or a value that is not finite.
+    """
+    start = require_shape("start", require_finite("start", start), (2,))
+    _require_speed(speed)
+    velocity = speed * _direction(heading)
+    coefficients = np.stack([velocity, start])[:, None, :]
+    return Track(PPoly(coefficients, [0.0, 1.0]), -np.inf, np.inf)
+
+
+def speed_profile_track(start, heading, time, speed):
+    """A straight course along which the speed changes, linearly between the given points.
+
+    start : (2,), position at time[0], m; heading : radians from the x axis
+    time : (n,), s, increasing; speed : (n,), m/s, not negative
+    Raises ValueError for times that do not increase, a negative speed, or shapes that differ.
+    """
+    start = require_shape("start", require_finite("start", start), (2,))
+    time = require_increasing("time", time)
+    speed = require_shape("speed", _require_speed(speed), (time.size,))
+    slope = np.diff(speed) / np.diff(time)
+    distance = PPoly(np.stack([slope, speed[:-1]]), time).antiderivative()
+    coefficients = distance.c[..., None] * _direction(heading)
+    coefficients[-1] += start
+    return Track(PPoly(coefficients, time), time[0], time[-1])
+
+
+def waypoint_track(time, position):
+    """A smooth path through known points (a cubic spline).
+
+    time : (n,), s, increasing, n >= 2; position : (n, 2), m
+    Raises ValueError for times that do not increase or shapes that differ.
+    """
+    time = require_increasing("time", time)
+    position = require_shape("position", require_finite("position", position), (time.size, 2))
+    spline = CubicSpline(time, position, bc_type="natural")
+    return Track(spline, time[0], time[-1])
+
+
+def load_track(path):
+    """Read a recorded GPS or AIS track from a CSV file with a header line.
+
+    Columns: `time` (s, or ISO 8601 date and time), and either `x`, `y` (m, east and north) or
+    `latitude`, `longitude` (degrees; read as metres east and north of the first point). Other columns
+    are left alone; the first time becomes 0.
+    Returns a Track through the points. Raises ValueError naming the file and what is wrong: a missing
+    column, fewer than two rows, a value that is not a number, times unsorted or repeated.
+    """
+    name = Path(path).name
+    with open(path, newline="", encoding="utf-8-sig") as file:
+        reader = csv.DictReader(file, skipinitialspace=True)
+        rows = list(reader)
+    columns = {(column or "").strip().lower(): column for column in reader.fieldnames or []}
+    pair = next((pair for pair in (("x", "y"), ("latitude", "longitude")) if set(pair) <= set(columns)), None)
+    if "time" not in columns or pair is None:
+        raise ValueError(
+            f"{name} must have the columns time and x, y or time and latitude, longitude, but has {', '.join(columns)}"
+        )
+    if len(rows) < 2:
+        raise ValueError(f"{name} must have at least 2 rows of positions, but has {len(rows)}")
+    time = np.array([_seconds(name, number, row[columns["time"]]) for number, row in enumerate(rows, 2)])
+    values = np.array([[_number(name, n, c, row[columns[c]]) for c in pair] for n, row in enumerate(rows, 2)])
+    time = require_increasing(f"time in {name}", time - time[0])
+    return waypoint_track(time, _metres(name, values) if pair[0] == "latitude" else values)
+
+
+def retarded_time(track, height, time, sound_speed, sensor=(0.0, 0.0)):
+    """The time at which the sound heard at `time` left the source.
+
+    Solves c (t - tau) = |source(tau) - sensor| by Newton's method to below 1e-9 m.
+    track : Track; height : of the source above the sensor, m; time : (...), s
+    sound_speed : m/s; sensor : (2,), horizontal position of the sensor, m
+    Returns tau (...), s. Raises ValueError for a source that is not slower than sound.
+    """
+    time = require_finite("time", time)
+    require_positive("sound_speed", sound_speed)
+    emitted = np.array(time, dtype=float)
+    for _ in range(50):
+        offset = track.position(emitted) - np.asarray(sensor, dtype=float)
+        velocity = track.velocity(emitted)
+        distance = np.sqrt(np.sum(offset**2, axis=-1) + height**2)
+        range_rate = np.sum(offset * velocity, axis=-1) / np.maximum(distance, 1e-12)
+        miss = distance - sound_speed * (time - emitted)
+        if np.any(np.abs(range_rate) >= sound_speed):
+            raise ValueError(f"the source must be slower than sound, {sound_speed:g} m/s")
+        emitted = emitted - miss / (range_rate + sound_speed)
+        if np.all(np.abs(miss) < 1e-9):
+            break
+    return emitted
+
+
+def require_increasing(name, time):
+    """Return `time` as a float array (n,), n >= 2; raise ValueError unless it is finite and increases."""
+    time = require_shape(name, require_finite(name, time), (None,))
+    if time.size < 2:
+        raise ValueError(f"{name} must have at least 2 values, but {time.size} was given")
+    steps = np.diff(time)
+    if np.any(steps <= 0):
+        bad = int(np.argmax(steps <= 0))
+        raise ValueError(f"{name} must increase, but {time[bad + 1]:g} follows {time[bad]:g}")
+    return time
+
+
+def _require_speed(speed):
+    speed = require_finite("speed", speed)
+    if np.any(speed < 0):
+        raise ValueError(f"speed must not be negative, but {speed[speed < 0].flat[0]:g} was given")
+    return speed
+
+
+def _direction(heading):
+    heading = require_finite("heading", heading)
+    return np.array([np.cos(heading), np.sin(heading)])
+
+
+def _seconds(name, line, text):
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        pass
+    try:
+        return float(np.datetime64(text.strip().removesuffix("Z")).astype("datetime64[ms]").astype(float) / 1000)
+    except (AttributeError, ValueError):
+        raise ValueError(f"{name}, line {line}: time must be seconds or a date and time, but is {text!r}") from None
+
+
+def _number(name, line, column, text):
+    try:
+        value = float(text)
+    except (TypeError, ValueError):
+        value = np.nan
+    if not np.isfinite(value):
+        raise ValueError(f"{name}, line {line}: {column} must be a finite number, but is {text!r}")
+    return value
+
+
+def _metres(name, degrees):
+    latitude, longitude = np.radians(degrees).T
+    if np.any(np.abs(degrees[:, 0]) > 90) or np.any(np.abs(degrees[:, 1]) > 360):
+        raise ValueError(f"{name}: latitude must lie within 90 degrees and longitude within 360 degrees of 0")
+    east = EARTH_RADIUS * np.cos(latitude[0]) * np.unwrap(longitude - longitude[0])
+    return np.stack([east, EARTH_RADIUS * (latitude - latitude[0])], axis=-1)
