@@ -1,0 +1,1 @@
+"""Feedback on the answers to each chapter's exercises: one module per chapter."""

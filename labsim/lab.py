@@ -1,0 +1,173 @@
+"""The bridge from sliders to pictures: model (numbers) -> view (picture and sentence) -> widget.
+
+The picture is drawn by blitting: what no slider moves is drawn once and kept, and each step draws
+the animated artists over it. matplotlib marks the figure stale when anything else changed (axis
+limits, say); only then is the background drawn anew.
+"""
+
+import inspect
+import io
+from html import escape
+
+import ipywidgets
+import numpy as np
+from IPython.display import Markdown
+from PIL import Image
+
+__all__ = ["Lab", "choice", "interval", "show_source", "slider", "still", "switch"]
+
+_WIDE = {"description_width": "initial"}
+
+
+def slider(label, low, high, start, step=None, log=False):
+    """A number between low and high; whole if all are whole. `log` spaces the steps by equal factors."""
+    if log:
+        return ipywidgets.FloatLogSlider(
+            start, min=np.log10(low), max=np.log10(high), step=step or np.log10(high / low) / 100,
+            description=label, readout_format=".3g", style=_WIDE, layout=_layout(),
+        )  # fmt: skip
+    whole = all(isinstance(number, int) for number in (low, high, start, step or 1))
+    kind = ipywidgets.IntSlider if whole else ipywidgets.FloatSlider
+    step = step or (1 if whole else (high - low) / 100)
+    return kind(
+        start, min=low, max=high, step=step, description=label, style=_WIDE, layout=_layout(),
+        readout_format=_readout(whole, step),
+    )  # fmt: skip
+
+
+def interval(label, low, high, start, step=None):
+    """Two numbers between low and high, the first not above the second."""
+    step = step or (high - low) / 100
+    return ipywidgets.FloatRangeSlider(
+        start, min=low, max=high, step=step, description=label, style=_WIDE, layout=_layout(),
+        readout_format=_readout(False, step),
+    )  # fmt: skip
+
+
+def choice(label, options, start=None):
+    """One of `options`: a list, or a dict from what is shown to what the model gets."""
+    values = list(options.values()) if isinstance(options, dict) else list(options)
+    start = values[0] if start is None else start
+    return ipywidgets.Dropdown(options=options, value=start, description=label, style=_WIDE, layout=_layout())
+
+
+def switch(label, start=False):
+    """True or False."""
+    return ipywidgets.Checkbox(start, description=label, indent=False, layout=_layout())
+
+
+class Lab:
+    """Sliders above a picture above a sentence; ending a cell with a Lab shows it.
+
+    model : function of the controls' values, by name; a ValueError it raises is shown in words
+    view : has `figure`, and `draw(result)`, which moves the figure's animated artists and returns the sentence
+    controls : slider(...), interval(...), choice(...) or switch(...) by the model's argument names
+    Where no kernel runs (a web page of the notebook) the last picture and its sentence remain.
+    """
+
+    def __init__(self, model, view, **controls):
+        self.model, self.view, self.controls = model, view, controls
+        self._painter = _Painter(view.figure)
+        self._start = {name: control.value for name, control in controls.items()}
+        self._picture = ipywidgets.Image(format="png", layout=ipywidgets.Layout(max_width="100%"))
+        self._status = ipywidgets.HTML()
+        reset = ipywidgets.Button(description="Reset", tooltip="Put every control back", icon="undo")
+        reset.on_click(lambda _: self.reset())
+        for control in controls.values():
+            control.observe(self._changed, names="value")
+        panel = ipywidgets.Box([*controls.values(), reset], layout=ipywidgets.Layout(flex_flow="row wrap"))
+        self.widget = ipywidgets.VBox([panel, self._picture, self._status])
+        self.update()
+
+    def update(self):
+        """Compute, draw and show the picture for the present controls; raises what the model raises."""
+        result = self.model(**{name: control.value for name, control in self.controls.items()})
+        self.sentence = self.view.draw(result)
+        self._picture.value = _png(self._painter.paint())
+        self._picture.tooltip = self.sentence
+        self._say(escape(self.sentence))
+
+    def reset(self):
+        """Put every control back to where it began."""
+        for name, control in self.controls.items():
+            control.unobserve(self._changed, names="value")
+            control.value = self._start[name]
+            control.observe(self._changed, names="value")
+        self._changed(None)
+
+    def _changed(self, _):
+        try:
+            self.update()
+        except ValueError as error:
+            self._say(f"<b>Not possible:</b> {escape(str(error))}")
+        except Exception as error:
+            self._say(f"<b>A fault of the lab, not yours:</b> {escape(type(error).__name__)}: {escape(str(error))}")
+
+    def _say(self, html):
+        self._status.value = f'<div role="status" aria-live="polite" style="line-height:1.4">{html}</div>'
+
+    def _repr_mimebundle_(self, **_):
+        data, metadata = _still_bundle(self._painter.paint(), self.sentence)
+        return {**self.widget._repr_mimebundle_(), **data}, metadata
+
+
+def still(view, result):
+    """The picture of one result with its sentence, without sliders; ending a cell with it shows it."""
+    sentence = view.draw(result)
+    return _Still(_Painter(view.figure).paint(), sentence)
+
+
+def show_source(*functions):
+    """The source of functions of the lab, as a student should read it."""
+    return Markdown("\n".join(f"```python\n{inspect.getsource(function)}```" for function in functions))
+
+
+class _Still:
+    def __init__(self, pixels, sentence):
+        self.pixels, self.sentence = pixels, sentence
+
+    def _repr_mimebundle_(self, **_):
+        return _still_bundle(self.pixels, self.sentence)
+
+
+class _Painter:
+    """Draws a figure to pixels, keeping the background between calls."""
+
+    def __init__(self, figure):
+        self.figure = figure
+        self._background = None
+
+    def paint(self):
+        canvas = self.figure.canvas
+        if self._background is None or self.figure.stale:
+            canvas.draw()
+            self.figure.set_layout_engine("none")
+            self.figure.stale = False
+            self._background = canvas.copy_from_bbox(self.figure.bbox)
+        canvas.restore_region(self._background)
+        animated = [a for a in self.figure.findobj(lambda artist: artist.get_animated()) if a.get_visible()]
+        for artist in sorted(animated, key=lambda artist: artist.get_zorder()):
+            artist.draw(canvas.get_renderer())
+        return np.array(canvas.buffer_rgba())[..., :3]
+
+
+def _png(pixels, colours=None, compression=1):
+    image = Image.fromarray(np.ascontiguousarray(pixels))
+    if colours:
+        image = image.quantize(colours, dither=Image.Dither.NONE)
+    buffer = io.BytesIO()
+    image.save(buffer, format="png", compress_level=compression)
+    return buffer.getvalue()
+
+
+def _still_bundle(pixels, sentence):
+    data = {"image/png": _png(pixels, colours=256, compression=9), "text/plain": sentence}
+    return data, {"image/png": {"alt": sentence}}
+
+
+def _layout():
+    return ipywidgets.Layout(width="24em", min_width="20em", flex="1 1 24em", margin="0 1.5em 0 0")
+
+
+def _readout(whole, step):
+    return "d" if whole else f".{max(0, int(np.ceil(-np.log10(step) - 1e-9)))}f"
