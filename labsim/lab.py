@@ -123,15 +123,15 @@ def show_source(*functions):
 
 
 class _Still:
-    def __init__(self, pixels, sentence):
-        self.pixels, self.sentence = pixels, sentence
+    def __init__(self, image, sentence):
+        self.image, self.sentence = image, sentence
 
     def _repr_mimebundle_(self, **_):
-        return _still_bundle(self.pixels, self.sentence)
+        return _still_bundle(self.image, self.sentence)
 
 
 class _Painter:
-    """Draws a figure to pixels, keeping the background between calls."""
+    """Draws a figure to an image, keeping the background between calls."""
 
     def __init__(self, figure):
         self.figure = figure
@@ -140,19 +140,22 @@ class _Painter:
     def paint(self):
         canvas = self.figure.canvas
         if self._background is None or self.figure.stale:
-            canvas.draw()
-            self.figure.set_layout_engine("none")
-            self.figure.stale = False
-            self._background = canvas.copy_from_bbox(self.figure.bbox)
+            self._capture(canvas)
         canvas.restore_region(self._background)
-        animated = [a for a in self.figure.findobj(lambda artist: artist.get_animated()) if a.get_visible()]
-        for artist in sorted(animated, key=lambda artist: artist.get_zorder()):
+        for artist in self._animated:
             artist.draw(canvas.get_renderer())
-        return np.array(canvas.buffer_rgba())[..., :3]
+        return Image.frombuffer("RGBA", canvas.get_width_height(), canvas.buffer_rgba()).convert("RGB")
+
+    def _capture(self, canvas):
+        canvas.draw()
+        self.figure.set_layout_engine("none")
+        self.figure.stale = False
+        self._background = canvas.copy_from_bbox(self.figure.bbox)
+        animated = self.figure.findobj(lambda artist: artist.get_animated())
+        self._animated = sorted(animated, key=lambda artist: artist.get_zorder())
 
 
-def _png(pixels, colours=None, compression=1):
-    image = Image.fromarray(np.ascontiguousarray(pixels))
+def _png(image, colours=None, compression=1):
     if colours:
         image = image.quantize(colours, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
@@ -160,8 +163,8 @@ def _png(pixels, colours=None, compression=1):
     return buffer.getvalue()
 
 
-def _still_bundle(pixels, sentence):
-    data = {"image/png": _png(pixels, colours=256, compression=9), "text/plain": sentence}
+def _still_bundle(image, sentence):
+    data = {"image/png": _png(image, colours=256, compression=9), "text/plain": sentence}
     return data, {"image/png": {"alt": sentence}}
 
 

@@ -1,0 +1,141 @@
+"""python3 -m labsim: make the lab's environment where there is none, then open the lab or test it.
+
+Needs Python and its standard library alone, and is written so that an old Python can say it is too old.
+"""
+
+import hashlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from importlib.util import find_spec
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ENVIRONMENT = os.path.join(ROOT, ".venv")
+PINS = os.path.join(ROOT, "environment.txt")
+STAMP = os.path.join(ENVIRONMENT, "labsim-installed")
+OLDEST = (3, 11)
+
+HELP = """\
+python3 -m labsim [JUPYTERLAB OPTIONS]   open the lab in the browser, at its first notebook
+python3 -m labsim test [PYTEST OPTIONS]  run every test, the notebooks among them
+python3 -m labsim --help                 this text
+
+The first run makes the environment in .venv from environment.txt: two or three minutes with a
+network. Later runs start at once. For example, on a machine without a screen:
+    python3 -m labsim --no-browser --port 8899
+To begin afresh, delete the folder .venv."""
+
+
+class Problem(Exception):
+    """One plain sentence that says what is wrong and what to do."""
+
+
+def main(arguments):
+    """Run the command and return its exit status."""
+    if arguments[:1] in (["--help"], ["-h"]):
+        print(HELP)
+        return 0
+    try:
+        python = prepare()
+        if arguments[:1] == ["test"]:
+            return run([python, "-m", "pytest"] + arguments[1:])
+        return run(lab_command(python) + arguments)
+    except Problem as problem:
+        print("labsim: " + str(problem), file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("\nlabsim: stopped; the next run mends what is unfinished.", file=sys.stderr)
+        return 130
+
+
+def run(command):
+    """Run a command that handles Ctrl-C itself, and return its exit status."""
+    process = subprocess.Popen(command, cwd=ROOT)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return process.wait()
+
+
+def lab_command(python):
+    """JupyterLab at the start notebook; options given later on the line win."""
+    return [
+        python, "-m", "jupyterlab",
+        "--ServerApp.root_dir=" + ROOT,
+        "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb",
+        "--LabApp.news_url=None",
+    ]  # fmt: skip
+
+
+def prepare():
+    """Return the environment's Python, having made or mended the environment if need be."""
+    if sys.version_info < OLDEST:
+        found = "{}.{}".format(*sys.version_info[:2])
+        raise Problem("this is Python " + found + ", but the lab needs Python 3.11 or newer; install one and use it.")
+    if not os.path.exists(PINS):
+        raise Problem("environment.txt is missing; run the command in the folder that the lab was cloned into.")
+    python = os.path.join(ENVIRONMENT, *(("Scripts", "python.exe") if os.name == "nt" else ("bin", "python")))
+    wanted = fingerprint()
+    if os.path.exists(python) and read(STAMP) == wanted:
+        return python
+    if find_spec("venv") is None or find_spec("ensurepip") is None:
+        raise Problem(
+            "this Python comes without the venv module; install it (on Debian or Ubuntu: "
+            "sudo apt install python3-venv) and run the command again."
+        )
+    print("Making the lab's environment in .venv, once; this takes two or three minutes.", flush=True)
+    try:
+        check_writable()
+        install(python)
+        with open(STAMP, "w", encoding="utf-8") as stamp:
+            stamp.write(wanted)
+    except OSError as error:
+        raise Problem(
+            "cannot write to " + ROOT + " (" + str(error.strerror or error) + "); put the lab in a folder "
+            "that you may write to, with 1 GB free, and run the command again."
+        )
+    return python
+
+
+def install(python):
+    """Mend an environment that an earlier run finished, or make it anew; then install the pinned packages."""
+    if os.path.exists(python) and os.path.exists(STAMP):
+        os.remove(STAMP)
+    else:
+        shutil.rmtree(ENVIRONMENT, ignore_errors=True)
+        if subprocess.call([sys.executable, "-m", "venv", ENVIRONMENT]):
+            raise Problem("Python could not make an environment in .venv; see its message above.")
+    pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-input", "--requirement", PINS]
+    if subprocess.call(pip, cwd=ROOT):
+        raise Problem(
+            "the packages could not be installed; see pip's message above. If there is no network, "
+            "connect to one and run the command again."
+        )
+
+
+def check_writable():
+    """Raise OSError where the lab's folder takes no new file."""
+    probe = os.path.join(ROOT, ".labsim-probe")
+    with open(probe, "w"):
+        pass
+    os.remove(probe)
+
+
+def fingerprint():
+    """What the environment depends on: the pins, this Python, and where the lab lies."""
+    with open(PINS, "rb") as pins:
+        parts = pins.read() + repr((sys.version_info[:2], ROOT)).encode()
+    return hashlib.sha256(parts).hexdigest()
+
+
+def read(path):
+    """The text of a small file, or None where there is none."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except OSError:
+        return None
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
