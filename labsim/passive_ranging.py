@@ -136,7 +136,7 @@ def foreshortening(triplet, bearing):
     """
     result = 1 - (np.cos(triplet.pitch) * np.sin(require_finite("bearing", bearing))) ** 2
     if np.any(result < ON_AXIS):
-        raise ValueError("bearing must be at least 0.06 degrees off the array axis, where curvature tells no range")
+        raise ValueError("bearing must be at least 0.06 degrees off the array axis, which tells no range")
     return result
 
 
@@ -165,7 +165,7 @@ def range_from_delays(triplet, tau, eps):
 
 
 def range_from_delays_as_printed(triplet, tau, eps):
-    """The paper's eq. 2.2 as printed, a² cos²(pitch) cos²(bearing) / (c eps + 2 b); else `range_from_delays`."""
+    """The paper's eq. 2.2 as printed: a² cos²(pitch) cos²(bearing) / (c eps + 2 b), m. Else as mended."""
     bearing = bearing_from_delay(triplet, tau)
     foreshortening(triplet, bearing)
     excess = triplet.sound_speed * np.asarray(eps) + 2 * displacement_toward(triplet, bearing)
@@ -265,7 +265,7 @@ def vertical_beamwidth(height, frequency, sound_speed=1500.0):
     wavelengths = require_positive("height", height) * require_positive("frequency", frequency)
     wavelengths = wavelengths / require_positive("sound_speed", sound_speed)
     if np.any(wavelengths < 1):
-        raise ValueError(f"height must be at least one wavelength, but {np.min(wavelengths):g} of one was given")
+        raise ValueError(f"height must be at least one wavelength, but {np.min(wavelengths):g} was given")
     return np.arcsin(1 / wavelengths)
 
 
