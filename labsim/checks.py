@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from html import escape
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -105,3 +106,12 @@ def verdict(holds, everywhere=True):
     if not holds:
         return FAILS
     return HOLDS if everywhere else CONDITIONAL
+
+
+def check_installation():
+    """Feedback on the installation: whether every package the notebooks need can be found."""
+    missing = [name for name in ("numpy", "scipy", "matplotlib", "ipywidgets", "jupyterlab") if find_spec(name) is None]
+    if missing:
+        hint = f"missing: {', '.join(missing)}; close the lab and start it again with: python3 -m labsim"
+        return Feedback("look again", hint)
+    return Feedback("right", "the lab is complete")

@@ -39,7 +39,7 @@ def interval(label, low, high, start, step=None):
     """Two numbers between low and high, the first not above the second."""
     step = step or (high - low) / 100
     return ipywidgets.FloatRangeSlider(
-        start, min=low, max=high, step=step, description=label, style=_WIDE, layout=_layout(),
+        value=start, min=low, max=high, step=step, description=label, style=_WIDE, layout=_layout(),
         readout_format=_readout(False, step),
     )  # fmt: skip
 

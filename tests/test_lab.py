@@ -1,0 +1,138 @@
+"""The bridge from sliders to pictures, tested with a small model and view."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from labsim.lab import Lab, choice, interval, show_source, slider, still, switch
+from labsim.views import style
+
+
+class WaveView:
+    """A sine curve; its axis grows when the amplitude leaves it."""
+
+    def __init__(self):
+        self.figure = style.figure(4, 3)
+        self.axes = self.figure.subplots()
+        self.axes.set(xlim=(0, 1), ylim=(-1, 1), xlabel="time (s)", ylabel="height (m)")
+        (self.curve,) = self.axes.plot([], [])
+        self.title = self.axes.set_title("A wave")
+        style.animate(self.curve, self.title)
+
+    def draw(self, result):
+        time, height = result
+        self.curve.set_data(time, height)
+        top = max(1.0, np.ceil(height.max()))
+        if top != self.axes.get_ylim()[1]:
+            self.axes.set_ylim(-top, top)
+        self.title.set_text(f"A wave of {height.max():.1f} m")
+        return f"The wave is {height.max():.1f} m high."
+
+
+def wave(amplitude, turns=2.0):
+    """A sine of the given amplitude; refuses a flat one."""
+    if amplitude == 0:
+        raise ValueError("amplitude must not be 0")
+    if amplitude == -1:
+        raise KeyError("lost")
+    time = np.linspace(0, 1, 201)
+    return time, amplitude * np.sin(2 * np.pi * turns * time)
+
+
+@pytest.fixture
+def lab():
+    return Lab(wave, WaveView(), amplitude=slider("Amplitude (m)", -1, 5, 1), turns=slider("Turns", 1.0, 9.0, 2.0))
+
+
+def pixels(png):
+    return np.asarray(Image.open(io.BytesIO(png)).convert("RGB"), dtype=int)
+
+
+def test_moving_a_slider_changes_picture_and_sentence(lab):
+    before = lab._picture.value
+    lab.controls["turns"].value = 5.0
+    assert lab._picture.value != before
+    assert lab.sentence == "The wave is 1.0 m high."
+
+
+def test_blitted_picture_is_the_picture_drawn_whole(lab):
+    for turns in (3.0, 7.0, 4.0):
+        lab.controls["turns"].value = turns
+    fresh = Lab(wave, WaveView(), amplitude=slider("Amplitude (m)", -1, 5, 1), turns=slider("Turns", 1.0, 9.0, 4.0))
+    assert np.array_equal(pixels(lab._picture.value), pixels(fresh._picture.value))
+
+
+def test_background_is_kept_until_the_axis_changes(lab):
+    background = lab._painter._background
+    lab.controls["turns"].value = 5.0
+    assert lab._painter._background is background
+    lab.controls["amplitude"].value = 4
+    assert lab._painter._background is not background
+
+
+def test_refused_value_is_said_in_words_and_the_picture_stays(lab):
+    before = lab._picture.value
+    lab.controls["amplitude"].value = 0
+    assert "amplitude must not be 0" in lab._status.value
+    assert lab._picture.value == before
+    lab.controls["amplitude"].value = 1
+    assert "The wave is 1.0 m high." in lab._status.value
+
+
+def test_fault_in_a_model_shows_no_stack_trace(lab):
+    lab.controls["amplitude"].value = -1
+    assert "A fault of the lab" in lab._status.value and "KeyError" in lab._status.value
+
+
+def test_fault_while_building_is_raised():
+    with pytest.raises(KeyError):
+        Lab(wave, WaveView(), amplitude=slider("Amplitude (m)", -1, 5, -1))
+
+
+def test_reset_puts_every_control_back_in_one_step(lab, monkeypatch):
+    first = lab._picture.value
+    lab.controls["turns"].value, lab.controls["amplitude"].value = 6.0, 0
+    steps = []
+    monkeypatch.setattr(lab, "update", lambda whole=lab.update: (steps.append(1), whole()))
+    lab.reset()
+    assert (lab._picture.value, len(steps)) == (first, 1)
+    assert "The wave is" in lab._status.value
+
+
+def test_saved_notebook_keeps_a_picture_and_its_sentence(lab):
+    data, metadata = lab._repr_mimebundle_()
+    assert data["text/plain"] == "The wave is 1.0 m high."
+    assert metadata["image/png"]["alt"] == data["text/plain"]
+    assert pixels(data["image/png"]).shape == (300, 400, 3)
+    assert "application/vnd.jupyter.widget-view+json" in data
+
+
+def test_still_shows_the_same_picture_without_sliders(lab):
+    data, _ = still(WaveView(), wave(1))._repr_mimebundle_()
+    assert data["image/png"] == lab._repr_mimebundle_()[0]["image/png"]
+    assert data["text/plain"] == lab.sentence
+
+
+def test_sentence_is_escaped():
+    class Sharp(WaveView):
+        def draw(self, result):
+            super().draw(result)
+            return "a < b & c"
+
+    assert "a &lt; b &amp; c" in Lab(wave, Sharp(), amplitude=slider("Amplitude (m)", 1, 5, 1))._status.value
+
+
+def test_controls_give_the_model_what_it_expects():
+    assert type(slider("n", 1, 5, 2).value) is int
+    assert slider("x", 0.0, 1.0, 0.5).step == pytest.approx(0.01)
+    assert slider("x", 0.01, 100, 1.0, log=True).max == pytest.approx(2)
+    assert interval("x", 0, 10, (2, 3)).value == (2, 3)
+    assert choice("c", {"first": 10, "second": 20}).value == 10
+    assert choice("c", ["a", "b"], "b").value == "b"
+    assert switch("s", True).value is True
+
+
+def test_source_is_shown_as_code():
+    assert show_source(wave).data.startswith("```python\ndef wave(")
