@@ -19,6 +19,14 @@ def require_positive(name, value):
     return array
 
 
+def require_not_negative(name, value):
+    """Return `value` as a float array; raise ValueError unless every element is finite and 0 or more."""
+    array = require_finite(name, value)
+    if not np.all(array >= 0):
+        raise ValueError(f"{name} must not be negative, but {_shown(array[array < 0])} was given")
+    return array
+
+
 def require_between(name, value, low, high):
     """Return `value` as a float array; raise ValueError unless low <= every element <= high."""
     array = require_finite(name, value)

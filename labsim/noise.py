@@ -5,6 +5,8 @@ spectrum inside a band. Such a signal is known everywhere once it is known at it
 moving source is heard by reading it at the times at which the sound left.
 """
 
+from functools import cache
+
 import numpy as np
 
 from labsim.arguments import require_finite, require_positive, require_shape
@@ -89,13 +91,19 @@ def _weighted_sum(signal, first, fraction):
 
     The kernel is looked up in a table of PHASES fractions, linearly interpolated (error below -120 dB).
     """
-    weights = _kernel(np.linspace(0, 1, PHASES + 1)[:, None] + TAPS // 2 - 1 - np.arange(TAPS)).T
+    weights, steps = _kernel_table()
     phase = (fraction * PHASES).astype(int)
     between = fraction * PHASES - phase
     result = np.zeros(first.shape)
-    for tap, (weight, step) in enumerate(zip(weights, np.diff(weights, append=0), strict=True)):
+    for tap, (weight, step) in enumerate(zip(weights, steps, strict=True)):
         result += signal.take(first + tap) * (weight.take(phase) + between * step.take(phase))
     return result
+
+
+@cache
+def _kernel_table():
+    weights = _kernel(np.linspace(0, 1, PHASES + 1) + TAPS // 2 - 1 - np.arange(TAPS)[:, None])
+    return weights, np.diff(weights, append=0)
 
 
 def _kernel(offset):

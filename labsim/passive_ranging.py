@@ -9,7 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from labsim.arguments import require_between, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_shape,
+)
 
 ON_AXIS = 1e-6
 
@@ -227,7 +233,7 @@ def curvature_jitter(delay_jitter, noise_ratio):
     Mended: the paper has sqrt(2) sigma. The noise of H2 enters the two delays with opposite signs, so
     they correlate by -1 / (2 + rho) and their difference is noisier, up to sqrt(3) sigma for little noise.
     """
-    ratio = _require_ratio(noise_ratio)
+    ratio = require_not_negative("noise_ratio", noise_ratio)
     return np.asarray(delay_jitter) * np.sqrt((6 + 2 * ratio) / (2 + ratio))
 
 
@@ -302,10 +308,3 @@ def pulled_delay_phasor(target_delay, unwanted_delay, power_share, centre_freque
 def _in_front(numerator, denominator):
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(denominator < 0, np.nan, numerator / np.abs(denominator))
-
-
-def _require_ratio(noise_ratio):
-    ratio = require_finite("noise_ratio", noise_ratio)
-    if np.any(ratio < 0):
-        raise ValueError(f"noise_ratio must not be negative, but {np.min(ratio):g} was given")
-    return ratio
