@@ -264,7 +264,8 @@ def _complete_modes(waveguide, frequency, vertical):
     within = (waveguide.depth / 2 - np.sin(2 * angle) / (4 * vertical)) / waveguide.water_density
     amplitude = 1 / np.sqrt(within + below)
     share = below / (within + below)
-    slowness = omega / wavenumber * ((1 - share) / waveguide.water_speed**2 + share / waveguide.bottom_speed**2)
+    speeds = (waveguide.water_speed, waveguide.bottom_speed)
+    slowness = omega / wavenumber * ((1 - share) / speeds[0] ** 2 + share / speeds[1] ** 2)
     bottom_loss = waveguide.bottom_attenuation_db / NEPER_IN_DB * frequency / waveguide.bottom_speed
     attenuation = bottom / wavenumber * bottom_loss * share
     return Modes(waveguide, frequency, vertical, decay, wavenumber, attenuation, 1 / slowness, amplitude)

@@ -79,7 +79,8 @@ def test_lossy_wavenumbers_agree_within_second_order_perturbation(frequency):
 
 def test_the_second_order_error_of_the_loss_falls_with_its_square():
     """Complex Newton roots of the lossy characteristic equation; halving the loss quarters the error."""
-    shift = [np.abs(_complex_roots(db).real - solve_modes(SEA, 300.0).wavenumber[:, 0]) for db in (0.12, 0.06)]
+    real = solve_modes(SEA, 300.0).wavenumber[:, 0]
+    shift = [np.abs(_complex_roots(loss_db).real - real) for loss_db in (0.12, 0.06)]
     assert np.all(np.abs(shift[0][:5] / shift[1][:5] - 4) < 0.1)
 
 
@@ -196,7 +197,11 @@ def test_a_sea_that_cannot_guide_is_refused(change, words):
 
 @pytest.mark.parametrize(
     "change, words",
-    [({"elements": 1}, "elements"), ({"spacing": -1.0}, "spacing"), ({"band": (300.0, 200.0)}, "band must be")],
+    [
+        ({"elements": 1}, "elements"),
+        ({"spacing": -1.0}, "spacing"),
+        ({"band": (300.0, 200.0)}, "band must be"),
+    ],
 )
 def test_an_impossible_array_is_refused(change, words):
     with pytest.raises(ValueError, match=words):
