@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import least_squares
 
 from labsim import surface_motion as sm
 from labsim.metrics import angle_difference, rmse
@@ -96,6 +97,34 @@ def test_the_bound_of_all_four_channels_lies_below_that_of_intensity_angles():
     assert full[1][-1] == pytest.approx(0.050, abs=0.0005)
     for better, worse in zip(full, angles, strict=True):
         assert np.all(better[1:] < worse[1:])
+
+
+def test_maximum_likelihood_is_the_least_squares_of_the_sphere(directions):
+    # Independent: scipy minimises the miss across each line of sight, retarded, from another start. Far from
+    # the sensor the two define the miss of a large error differently, by its third power; hence 0.005 m/s.
+    first = slice(0, AT_20_S + 1)
+    azimuth, elevation = directions[0][0, first], directions[1][0, first]
+
+    def misses(parameters):
+        vessel = replace(
+            PAPER, start=tuple(parameters[:2]), speed=np.hypot(*parameters[2:]),
+            heading=np.arctan2(parameters[3], parameters[2]),
+        )  # fmt: skip
+        model = geometry(vessel, TIME[first])
+        across = np.sin(elevation) * np.sin(azimuth - model.azimuth)
+        return np.concatenate([across, elevation - model.angle_from_vertical]) / np.tile(ERROR[first], 2)
+
+    expected = least_squares(misses, [-200.0, 50.0, 5.0, 5.0], x_scale=[100, 100, 10, 10]).x
+    estimate = sm.maximum_likelihood_motion(azimuth, elevation, TIME[first], DEPTH, SOUND_SPEED, ERROR[first])
+    np.testing.assert_allclose(estimate.velocity[0], expected[2:], atol=0.005)
+
+
+def test_positions_of_the_weighted_fit_err_as_their_bound_says(points, emitted):
+    fitted = sm.weighted_motion_fit(points, emitted, DEPTH, ERROR).position
+    value, error = vector_rmse(fitted, HEARD.position)
+    bound = sm.motion_bound(HEARD.position, EMITTED, DEPTH, ERROR)[0]
+    for window in (AT_20_S, 79, 119):
+        assert_within(value[window], error[window], bound[window])
 
 
 def test_the_weighted_fit_reaches_the_bound_late_and_the_unweighted_one_gets_worse(points, emitted):
