@@ -13,7 +13,7 @@ import numpy as np
 
 from labsim.arguments import require_positive, require_shape
 
-STEPS = 20
+STEPS = 10
 
 
 @dataclass(frozen=True)

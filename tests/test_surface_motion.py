@@ -119,6 +119,15 @@ def test_maximum_likelihood_is_the_least_squares_of_the_sphere(directions):
     np.testing.assert_allclose(estimate.velocity[0], expected[2:], atol=0.005)
 
 
+def test_maximum_likelihood_has_converged_even_at_0_db(monkeypatch):
+    faint = replace(PAPER, snr_db=0.0)
+    azimuth, elevation = direction_of_arrival(sample_intensity(faint, np.random.default_rng(1), 100))
+    arguments = (azimuth, elevation, TIME, DEPTH, SOUND_SPEED, 10 * ERROR)
+    usual = sm.maximum_likelihood_motion(*arguments)
+    monkeypatch.setattr(sm, "STEPS", 5 * sm.STEPS)
+    np.testing.assert_allclose(sm.maximum_likelihood_motion(*arguments).velocity, usual.velocity, atol=1e-5)
+
+
 def test_positions_of_the_weighted_fit_err_as_their_bound_says(points, emitted):
     fitted = sm.weighted_motion_fit(points, emitted, DEPTH, ERROR).position
     value, error = vector_rmse(fitted, HEARD.position)
