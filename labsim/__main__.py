@@ -4,6 +4,7 @@ Needs Python and its standard library alone, and is written so that an old Pytho
 """
 
 import hashlib
+import json
 import os
 import shutil
 import signal
@@ -58,12 +59,10 @@ def run(command):
 
 
 def lab_command(python):
-    """JupyterLab at the start notebook; options given later on the line win."""
+    """JupyterLab, run in the lab's folder, opening the start notebook."""
     return [
         python, "-m", "jupyterlab",
-        "--ServerApp.root_dir=" + ROOT,
         "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb",
-        "--LabApp.news_url=None",
     ]  # fmt: skip
 
 
@@ -111,6 +110,16 @@ def install(python):
             "the packages could not be installed; see pip's message above. If there is no network, "
             "connect to one and run the command again."
         )
+    write_settings()
+
+
+def write_settings():
+    """Spare a newcomer JupyterLab's questions about news and its look for updates of a pinned version."""
+    folder = os.path.join(ENVIRONMENT, "share", "jupyter", "lab", "settings")
+    os.makedirs(folder, exist_ok=True)
+    settings = {"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}}
+    with open(os.path.join(folder, "overrides.json"), "w", encoding="utf-8") as file:
+        json.dump(settings, file)
 
 
 def check_writable():

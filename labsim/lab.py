@@ -81,10 +81,9 @@ class Lab:
 
     def update(self):
         """Compute, draw and show the picture for the present controls; raises what the model raises."""
-        result = self.model(**{name: control.value for name, control in self.controls.items()})
+        result = self.model(**{name: _value(control) for name, control in self.controls.items()})
         self.sentence = self.view.draw(result)
         self._picture.value = _png(self._painter.paint())
-        self._picture.tooltip = self.sentence
         self._say(escape(self.sentence))
 
     def reset(self):
@@ -166,6 +165,11 @@ def _png(image, colours=None, compression=1):
 def _still_bundle(image, sentence):
     data = {"image/png": _png(image, colours=256, compression=9), "text/plain": sentence}
     return data, {"image/png": {"alt": sentence}}
+
+
+def _value(control):
+    # A browser sends 5 back as 5.000000000000001.
+    return float(f"{control.value:.12g}") if isinstance(control.value, float) else control.value
 
 
 def _layout():

@@ -124,6 +124,13 @@ def test_sentence_is_escaped():
     assert "a &lt; b &amp; c" in Lab(wave, Sharp(), amplitude=slider("Amplitude (m)", 1, 5, 1))._status.value
 
 
+def test_rounding_by_the_browser_does_not_reach_the_model(lab):
+    seen = []
+    lab.model = lambda **values: seen.append(values) or wave(**values)
+    lab.controls["turns"].value = 5.000000000000001
+    assert seen[-1]["turns"] == 5.0
+
+
 def test_controls_give_the_model_what_it_expects():
     assert type(slider("n", 1, 5, 2).value) is int
     assert slider("x", 0.0, 1.0, 0.5).step == pytest.approx(0.01)

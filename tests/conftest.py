@@ -1,0 +1,23 @@
+"""What several tests share: where the notebooks are and what is in them."""
+
+import json
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+SOLUTIONS = sorted((ROOT / "notebooks" / "solutions").glob("*.ipynb"))
+
+
+def read_notebook(path):
+    """The notebook as JSON."""
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def source(cell):
+    """The text of a cell."""
+    return "".join(cell["source"])
+
+
+def code_cells(notebook):
+    """The code cells that hold any code."""
+    return [cell for cell in notebook["cells"] if cell["cell_type"] == "code" and source(cell).strip()]
