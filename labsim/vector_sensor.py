@@ -10,16 +10,19 @@ Azimuth runs from x towards y, the other angle from the vertical. The unit vecto
 sensor to the source, and particle velocity is scaled by rho c and counted positive along a.
 """
 
-from dataclasses import dataclass
+import struct
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.fft import next_fast_len
+from scipy.interpolate import PPoly
 from scipy.io import wavfile
 
 from labsim.arguments import require_between, require_choice, require_finite, require_positive, require_shape
+from labsim.metrics import angle_difference
 from labsim.motion import Track, retarded_time, straight_track
-from labsim.noise import band_noise, check_band, power_ratio, sample_at
+from labsim.noise import band_noise, check_band, decibels, power_ratio, sample_at
 
 CHANNEL_ORDERS = {
     "pxyz": ((0, 1, 2, 3), 1.0),
@@ -140,6 +143,19 @@ def static_source(azimuth, angle_from_vertical, **fields):
     return PassingVessel(**({"start": start, "speed": 0.0, "duration": fields["window"]} | fields))
 
 
+def one_window(scenario, time, window):
+    """The same vessel and the same noise, heard for a single window centred at `time`.
+
+    time : s; window : its length, s. Returns a PassingVessel whose time 0 is the start of the window.
+    """
+    begin = require_finite("time", time) - require_positive("window", window) / 2
+    path, motion = scenario.motion.path, scenario.motion
+    track = Track(PPoly(path.c, path.x - begin), motion.start_time - begin, motion.end_time - begin)
+    part = replace(scenario, duration=window, window=window, track=track)
+    nearer = closest_approach(scenario).slant_range / closest_approach(part).slant_range
+    return replace(part, snr_db=scenario.snr_db + decibels(nearer**2))
+
+
 def window_centres(scenario):
     """The middle of every window, (windows,), s: the time to which a window's estimate belongs."""
     return (np.arange(scenario.windows) + 0.5) * scenario.samples_per_window / scenario.sample_rate
@@ -248,6 +264,20 @@ def window_bisector(scenario):
     return both / np.linalg.norm(both, axis=-1, keepdims=True)
 
 
+def bisector_lag(scenario, time, window):
+    """How far the bisector of a window's end directions lies from the direction at its middle, radians.
+
+    For short windows it grows as window^2 / 8 times the acceleration of the direction on the sphere; the
+    azimuth alone does not average (the end that lies farther from overhead weighs more).
+    time : (...), middle of the window, s; window : (...), s. Returns azimuth lag (...), angle lag (...).
+    """
+    half = require_positive("window", window) / 2
+    middle = geometry(scenario, time)
+    ends = geometry(scenario, time - half).direction + geometry(scenario, time + half).direction
+    azimuth, angle = direction_of_arrival(ends)
+    return angle_difference(azimuth, middle.azimuth), angle - middle.angle_from_vertical
+
+
 def sample_intensity(scenario, rng, trials, blocks=BLOCKS):
     """Averaged intensities of many records, drawn from their exact law without making waveforms.
 
@@ -341,9 +371,10 @@ def cramer_rao_bound(snr, time_bandwidth, velocity_noise_ratio=1.0):
 def best_window(error_in_one_second, bearing_acceleration):
     """The window with the least mean square error for a moving source, s.
 
-    Averaging leaves sigma1^2 / T and the bisector lags the middle by beta'' T^2 / 8, so that
+    Noise leaves sigma1^2 / T and the bisector lags the middle by beta'' T^2 / 8, so that
     T^5 = 16 sigma1^2 / beta''^2.
-    error_in_one_second : sigma1, rad s^(1/2); bearing_acceleration : beta'', rad/s^2, not 0
+    error_in_one_second : sigma1, the error of a window of 1 s, rad
+    bearing_acceleration : beta'', rad/s^2, not 0; 8 / T^2 times the `bisector_lag` of a short window T
     """
     sigma = require_positive("error_in_one_second", error_in_one_second)
     curvature = require_positive("bearing_acceleration", np.abs(bearing_acceleration))
@@ -366,7 +397,7 @@ def load_recording(wav, order="pxyz", gains=(1.0, 1.0, 1.0, 1.0)):
     name = Path(wav).name
     try:
         rate, data = wavfile.read(wav)
-    except ValueError as error:
+    except (ValueError, struct.error, UnboundLocalError) as error:
         raise ValueError(f"wav must be a WAV file, but {name} cannot be read as one: {error}") from None
     channels = 1 if data.ndim == 1 else data.shape[1]
     if channels != 4:
@@ -432,6 +463,7 @@ def _source_signal(scenario, rng, emitted):
 
 
 def _blocks(scenario, blocks):
+    require_positive("blocks", blocks)
     duration = scenario.samples_per_window / scenario.sample_rate
     time = (np.arange(scenario.windows * blocks) + 0.5) * duration / blocks
     heard = geometry(scenario, time)
