@@ -70,9 +70,13 @@ def prepare():
     """Return the environment's Python, having made or mended the environment if need be."""
     if sys.version_info < OLDEST:
         found = "{}.{}".format(*sys.version_info[:2])
-        raise Problem("this is Python " + found + ", but the lab needs Python 3.11 or newer; install one and use it.")
+        raise Problem(
+            "this is Python " + found + ", but the lab needs Python 3.11 or newer; install one and use it."
+        )
     if not os.path.exists(PINS):
-        raise Problem("environment.txt is missing; run the command in the folder that the lab was cloned into.")
+        raise Problem(
+            "environment.txt is missing; run the command in the folder that the lab was cloned into."
+        )
     python = os.path.join(ENVIRONMENT, *(("Scripts", "python.exe") if os.name == "nt" else ("bin", "python")))
     wanted = fingerprint()
     if os.path.exists(python) and read(STAMP) == wanted:
@@ -117,7 +121,9 @@ def write_settings():
     """Spare a newcomer JupyterLab's questions about news and its look for updates of a pinned version."""
     folder = os.path.join(ENVIRONMENT, "share", "jupyter", "lab", "settings")
     os.makedirs(folder, exist_ok=True)
-    settings = {"@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}}
+    settings = {
+        "@jupyterlab/apputils-extension:notification": {"fetchNews": "false", "checkForUpdates": False}
+    }
     with open(os.path.join(folder, "overrides.json"), "w", encoding="utf-8") as file:
         json.dump(settings, file)
 

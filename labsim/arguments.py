@@ -32,7 +32,9 @@ def require_between(name, value, low, high):
     array = require_finite(name, value)
     outside = (array < low) | (array > high)
     if np.any(outside):
-        raise ValueError(f"{name} must lie between {low:g} and {high:g}, but {_shown(array[outside])} was given")
+        raise ValueError(
+            f"{name} must lie between {low:g} and {high:g}, but {_shown(array[outside])} was given"
+        )
     return array
 
 
@@ -42,7 +44,7 @@ def require_shape(name, value, shape):
     Leading axes are free: `require_shape("velocity", v, (None, 3))` takes (n, 3) and (trials, n, 3).
     """
     array = _as_float(name, value)
-    tail = array.shape[max(array.ndim - len(shape), 0):]
+    tail = array.shape[max(array.ndim - len(shape), 0) :]
     fits = len(tail) == len(shape) and all(want in (None, have) for want, have in zip(shape, tail))
     if not fits:
         wanted = ", ".join("n" if length is None else str(length) for length in shape)

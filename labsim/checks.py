@@ -94,7 +94,9 @@ class ClaimsTable:
         head = "".join(f'<th style="text-align:left">{escape(title)}</th>' for title in self.HEAD)
         body = "".join(
             "<tr>"
-            + "".join(f'<td style="text-align:left">{escape(t)}</td>' for t in (c.statement, c.paper, c.measured))
+            + "".join(
+                f'<td style="text-align:left">{escape(t)}</td>' for t in (c.statement, c.paper, c.measured)
+            )
             + f'<td style="text-align:left"><b>{escape(c.verdict)}</b></td></tr>'
             for c in self.claims
         )
@@ -110,7 +112,11 @@ def verdict(holds, everywhere=True):
 
 def check_installation():
     """Feedback on the installation: whether every package the notebooks need can be found."""
-    missing = [name for name in ("numpy", "scipy", "matplotlib", "ipywidgets", "jupyterlab") if find_spec(name) is None]
+    missing = [
+        name
+        for name in ("numpy", "scipy", "matplotlib", "ipywidgets", "jupyterlab")
+        if find_spec(name) is None
+    ]
     if missing:
         hint = f"missing: {', '.join(missing)}; close the lab and start it again with: python3 -m labsim"
         return Feedback("look again", hint)

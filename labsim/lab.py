@@ -100,7 +100,9 @@ class Lab:
         except ValueError as error:
             self._say(f"<b>Not possible:</b> {escape(str(error))}")
         except Exception as error:
-            self._say(f"<b>A fault of the lab, not yours:</b> {escape(type(error).__name__)}: {escape(str(error))}")
+            self._say(
+                f"<b>A fault of the lab, not yours:</b> {escape(type(error).__name__)}: {escape(str(error))}"
+            )
 
     def _say(self, html):
         self._status.value = f'<div role="status" aria-live="polite" style="line-height:1.4">{html}</div>'

@@ -167,9 +167,13 @@ def _seconds(name, line, text):
     except (TypeError, ValueError):
         pass
     try:
-        return float(np.datetime64(text.strip().removesuffix("Z")).astype("datetime64[ms]").astype(float) / 1000)
+        return float(
+            np.datetime64(text.strip().removesuffix("Z")).astype("datetime64[ms]").astype(float) / 1000
+        )
     except (AttributeError, ValueError):
-        raise ValueError(f"{name}, line {line}: time must be seconds or a date and time, but is {text!r}") from None
+        raise ValueError(
+            f"{name}, line {line}: time must be seconds or a date and time, but is {text!r}"
+        ) from None
 
 
 def _number(name, line, column, text):

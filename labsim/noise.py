@@ -53,7 +53,9 @@ def band_noise(rng, shape, band, sample_rate):
     inside = (frequency >= low) & (frequency <= high) & (frequency > 0) & (frequency < sample_rate / 2)
     bins = np.count_nonzero(inside)
     if bins == 0:
-        raise ValueError(f"band must be wider than {sample_rate / samples:g} Hz, but ({low:g}, {high:g}) was given")
+        raise ValueError(
+            f"band must be wider than {sample_rate / samples:g} Hz, but ({low:g}, {high:g}) was given"
+        )
     spectrum = np.zeros((*batch, frequency.size), dtype=complex)
     real, imaginary = rng.standard_normal((2, *batch, bins))
     spectrum[..., inside] = (real + 1j * imaginary) * samples / (2 * np.sqrt(bins))

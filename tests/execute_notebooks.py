@@ -39,7 +39,9 @@ def clean(notebook):
 
 def find_notebooks():
     """Every notebook of the course and its solutions, in reading order."""
-    return sorted((ROOT / "notebooks").glob("*.ipynb")) + sorted((ROOT / "notebooks/solutions").glob("*.ipynb"))
+    return sorted((ROOT / "notebooks").glob("*.ipynb")) + sorted(
+        (ROOT / "notebooks/solutions").glob("*.ipynb")
+    )
 
 
 if __name__ == "__main__":

@@ -59,7 +59,9 @@ def browser():
 def server(tmp_path_factory):
     """JupyterLab as the launcher starts it, on a copy of the notebooks; yields its address."""
     home = tmp_path_factory.mktemp("lab")
-    shutil.copytree(ROOT / "notebooks", home / "notebooks", ignore=shutil.ignore_patterns(".ipynb_checkpoints"))
+    shutil.copytree(
+        ROOT / "notebooks", home / "notebooks", ignore=shutil.ignore_patterns(".ipynb_checkpoints")
+    )
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -127,7 +129,12 @@ def test_start_page_opens_by_itself(page):
 @pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem)
 def test_slider_changes_the_picture_at_every_step(page, path, record_property):
     run_chapter(page, path)
-    assert page.locator(".jp-NotebookPanel [data-mime-type*=stderr], .jp-RenderedText[data-mime-type*=error]").count() == 0
+    assert (
+        page.locator(
+            ".jp-NotebookPanel [data-mime-type*=stderr], .jp-RenderedText[data-mime-type*=error]"
+        ).count()
+        == 0
+    )
     lab = first_lab(page)
     image, handle = lab.locator("img.widget-image"), lab.locator(".noUi-handle").first
     handle.focus()
@@ -138,5 +145,7 @@ def test_slider_changes_the_picture_at_every_step(page, path, record_property):
         delays.append(watched.evaluate("watch => watch.promise"))
     missed = delays.count(None)
     record_property("median_ms", statistics.median(delay for delay in delays if delay is not None))
-    print(f"\n{path.stem}: {STEPS} steps, {missed} missed, median {statistics.median(filter(None, delays)):.0f} ms")
+    print(
+        f"\n{path.stem}: {STEPS} steps, {missed} missed, median {statistics.median(filter(None, delays)):.0f} ms"
+    )
     assert missed == 0

@@ -44,7 +44,11 @@ def imported(module):
 def lab_imports(module):
     """The modules of the lab that a module imports, by their names inside the package."""
     stems = {str(other).replace("\\", "/") for other in MODULES}
-    names = {name.removeprefix("labsim.").replace(".", "/") for name in imported(module) if name.startswith("labsim.")}
+    names = {
+        name.removeprefix("labsim.").replace(".", "/")
+        for name in imported(module)
+        if name.startswith("labsim.")
+    }
     return names & stems
 
 

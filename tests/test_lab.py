@@ -43,7 +43,9 @@ def wave(amplitude, turns=2.0):
 
 @pytest.fixture
 def lab():
-    return Lab(wave, WaveView(), amplitude=slider("Amplitude (m)", -1, 5, 1), turns=slider("Turns", 1.0, 9.0, 2.0))
+    return Lab(
+        wave, WaveView(), amplitude=slider("Amplitude (m)", -1, 5, 1), turns=slider("Turns", 1.0, 9.0, 2.0)
+    )
 
 
 def pixels(png):
@@ -60,7 +62,9 @@ def test_moving_a_slider_changes_picture_and_sentence(lab):
 def test_blitted_picture_is_the_picture_drawn_whole(lab):
     for turns in (3.0, 7.0, 4.0):
         lab.controls["turns"].value = turns
-    fresh = Lab(wave, WaveView(), amplitude=slider("Amplitude (m)", -1, 5, 1), turns=slider("Turns", 1.0, 9.0, 4.0))
+    fresh = Lab(
+        wave, WaveView(), amplitude=slider("Amplitude (m)", -1, 5, 1), turns=slider("Turns", 1.0, 9.0, 4.0)
+    )
     assert np.array_equal(pixels(lab._picture.value), pixels(fresh._picture.value))
 
 

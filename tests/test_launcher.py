@@ -118,7 +118,9 @@ def test_missing_pins_are_named(clone, capsys):
 
 
 def test_help_explains_both_commands():
-    shown = subprocess.run([sys.executable, "-m", "labsim", "--help"], cwd=ROOT, capture_output=True, text=True)
+    shown = subprocess.run(
+        [sys.executable, "-m", "labsim", "--help"], cwd=ROOT, capture_output=True, text=True
+    )
     assert shown.returncode == 0
     assert "labsim test" in shown.stdout and "--no-browser" in shown.stdout
 

@@ -46,7 +46,11 @@ def test_nothing_of_the_run_or_the_machine_is_kept(path):
 
 def texts(cell):
     return [
-        [output.get("text"), output.get("data", {}).get("text/plain"), output.get("data", {}).get("text/html")]
+        [
+            output.get("text"),
+            output.get("data", {}).get("text/plain"),
+            output.get("data", {}).get("text/html"),
+        ]
         for output in cell["outputs"]
         if "audio" not in json.dumps(output.get("data", {}).get("text/html", ""))
     ]
@@ -106,9 +110,12 @@ def test_chapter_has_three_exercises_that_wait_for_an_answer(path):
 @COURSE
 def test_chapter_gives_a_verdict_on_each_claim(path):
     said = json.dumps([cell["outputs"] for cell in code_cells(read_notebook(path))])
-    assert said.count("<b>holds</b>") + said.count("<b>holds with conditions</b>") + said.count(
-        "<b>does not hold</b>"
-    ) >= 3
+    assert (
+        said.count("<b>holds</b>")
+        + said.count("<b>holds with conditions</b>")
+        + said.count("<b>does not hold</b>")
+        >= 3
+    )
 
 
 @COURSE

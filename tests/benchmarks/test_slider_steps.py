@@ -62,7 +62,9 @@ def steps_of(lab):
     return itertools.cycle(moves)
 
 
-CASES = [pytest.param(path, k, id=f"{path.stem}-{k + 1}") for path in CHAPTERS for k in range(lab_count(path))]
+CASES = [
+    pytest.param(path, k, id=f"{path.stem}-{k + 1}") for path in CHAPTERS for k in range(lab_count(path))
+]
 
 
 @pytest.mark.parametrize(("path", "index"), CASES)
