@@ -14,6 +14,7 @@ from labsim.arguments import require_finite, require_positive, require_shape
 TAPS = 12
 KAISER_BETA = 9.5
 PHASES = 1024
+CHUNK = 8192
 
 
 def decibels(power_ratio):
@@ -94,12 +95,15 @@ def _weighted_sum(signal, first, fraction):
     The kernel is looked up in a table of PHASES fractions, linearly interpolated (error below -120 dB).
     """
     weights, steps = _kernel_table()
-    phase = (fraction * PHASES).astype(int)
-    between = fraction * PHASES - phase
-    result = np.zeros(first.shape)
-    for tap, (weight, step) in enumerate(zip(weights, steps, strict=True)):
-        result += signal.take(first + tap) * (weight.take(phase) + between * step.take(phase))
-    return result
+    taps = np.arange(TAPS)[:, None]
+    result = np.empty(first.size)
+    places, fraction = first.ravel(), fraction.ravel() * PHASES
+    for start in range(0, first.size, CHUNK):
+        part = slice(start, start + CHUNK)
+        phase = fraction[part].astype(int)
+        kernel = weights.take(phase, axis=1) + (fraction[part] - phase) * steps.take(phase, axis=1)
+        result[part] = np.sum(signal.take(places[part] + taps) * kernel, axis=0)
+    return result.reshape(first.shape)
 
 
 @cache
