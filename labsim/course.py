@@ -355,7 +355,7 @@ def _least_eigenvector_axis(a, w):
     p1 = a[0] * w[2] + a[2] * w[0] - 2 * a[1] * w[1]
     with np.errstate(invalid="ignore", divide="ignore"):
         smallest = 2 * p0 / (p1 + np.sqrt(np.maximum(p1**2 - 4 * p2 * p0, 0)))
-    left = [x - smallest * y for x, y in zip(a, w, strict=True)]
+        left = [x - smallest * y for x, y in zip(a, w, strict=True)]
     return -0.5 * np.arctan2(2 * left[1], left[0] - left[2])
 
 

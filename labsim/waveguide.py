@@ -78,6 +78,10 @@ class HorizontalArray:
                 f"band must be (low, high) with low < high <= {self.sample_rate / 2:g} Hz, "
                 f"but ({low:g}, {high:g}) was given"
             )
+        if self.frequency.size == 0:
+            raise ValueError(
+                f"band must hold a multiple of {1 / self.frame:g} Hz, but ({low:g}, {high:g}) was given"
+            )
 
     @property
     def positions(self):

@@ -201,6 +201,7 @@ def test_a_sea_that_cannot_guide_is_refused(change, words):
         ({"elements": 1}, "elements"),
         ({"spacing": -1.0}, "spacing"),
         ({"band": (300.0, 200.0)}, "band must be"),
+        ({"band": (300.0, 300.5)}, "band must hold a multiple of 0.976562 Hz"),
     ],
 )
 def test_an_impossible_array_is_refused(change, words):
