@@ -147,7 +147,7 @@ def gate_size_extremes(first_error, second_error, baseline, low):
     """Widest and narrowest minimum-range gate for first_error <= theta <= pi - first_error.
 
     Returns (largest, theta_largest, smallest, theta_smallest), radians. Parallax is largest where array 2
-    sees the circle of radius `low` around array 1 at a right angle: cos(theta + first_error) = baseline / low.
+    sees the circle of radius `low` around array 1 at a right angle: cos(theta + first_error) = baseline/low.
     Raises ValueError as `bearing_gate` does, and for `low` too near the baseline to have such a theta.
     """
     _require_gate(-first_error, first_error, first_error, second_error, baseline, low, np.inf)
