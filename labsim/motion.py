@@ -6,14 +6,16 @@ earlier, at the retarded time, and comes from where the vessel was then.
 
 import csv
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
-from labsim.arguments import require_finite, require_positive, require_shape
+from labsim.arguments import require_finite, require_not_negative, require_positive, require_shape
 
 EARTH_RADIUS = 6_371_008.8
+OTHER_NAMES = {"lat": "latitude", "lon": "longitude", "timestamp": "time", "basedatetime": "time"}
 
 
 @dataclass(frozen=True)
@@ -21,7 +23,7 @@ class Track:
     """A horizontal path in time: `path` is a piecewise polynomial with two components, metres.
 
     It is defined from `start_time` to `end_time`, seconds; make one with `straight_track`,
-    `speed_profile_track`, `waypoint_track` or `load_track`.
+    `speed_profile_track`, `course_track`, `waypoint_track` or `load_track`.
     """
 
     path: PPoly
@@ -50,10 +52,22 @@ def straight_track(start, speed, heading):
     Raises ValueError for a negative speed or a value that is not finite.
     """
     start = require_shape("start", require_finite("start", start), (2,))
-    _require_speed(speed)
+    require_not_negative("speed", speed)
     velocity = speed * _direction(heading)
     coefficients = np.stack([velocity, start])[:, None, :]
     return Track(PPoly(coefficients, [0.0, 1.0]), -np.inf, np.inf)
+
+
+def passing_start(distance, time, speed, heading):
+    """Where a vessel must start to pass the origin at a given distance and time.
+
+    distance : at the closest approach, m; positive leaves the origin to the right of the vessel
+    time : of the closest approach, s; speed : m/s; heading : radians from the x axis
+    Returns (x, y), m, a start for `straight_track`. Raises ValueError for values that are not finite.
+    """
+    along = -require_finite("speed", speed) * require_finite("time", time)
+    (cosine, sine), distance = _direction(heading), require_finite("distance", distance)
+    return float(along * cosine - distance * sine), float(along * sine + distance * cosine)
 
 
 def speed_profile_track(start, heading, time, speed):
@@ -65,12 +79,36 @@ def speed_profile_track(start, heading, time, speed):
     """
     start = require_shape("start", require_finite("start", start), (2,))
     time = require_increasing("time", time)
-    speed = require_shape("speed", _require_speed(speed), (time.size,))
+    speed = require_shape("speed", require_not_negative("speed", speed), (time.size,))
     slope = np.diff(speed) / np.diff(time)
     distance = PPoly(np.stack([slope, speed[:-1]]), time).antiderivative()
     coefficients = distance.c[..., None] * _direction(heading)
     coefficients[-1] += start
     return Track(PPoly(coefficients, time), time[0], time[-1])
+
+
+def course_track(start, speed, time, heading):
+    """A constant speed along which the heading changes, linearly between the given points.
+
+    start : (2,), position at time[0], m; speed : m/s, not negative
+    time : (n,), s, increasing; heading : (n,), radians from the x axis
+    Returns a Track of cubic arcs that turn by at most 0.05 rad each, so that the speed is constant to 1e-6.
+    Raises ValueError for times that do not increase, a negative speed, or shapes that differ.
+    """
+    start = require_shape("start", require_finite("start", start), (2,))
+    speed = require_not_negative("speed", speed)
+    time = require_increasing("time", time)
+    heading = require_shape("heading", require_finite("heading", heading), (time.size,))
+    parts = np.ceil(np.abs(np.diff(heading)) / 0.05).astype(int) + 1
+    knots = [
+        np.linspace(*ends, n, endpoint=False) for *ends, n in zip(time[:-1], time[1:], parts, strict=True)
+    ]
+    knots = np.append(np.concatenate(knots), time[-1])
+    angle = np.interp(knots, time, heading)
+    chord = np.diff(knots) * np.sinc(np.diff(angle) / (2 * np.pi))
+    steps = speed * chord[:, None] * _direction((angle[1:] + angle[:-1]) / 2).T
+    position = start + np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    return Track(CubicHermiteSpline(knots, position, speed * _direction(angle).T), time[0], time[-1])
 
 
 def waypoint_track(time, position):
@@ -86,23 +124,29 @@ def waypoint_track(time, position):
 
 
 def load_track(path):
-    """Read a recorded GPS or AIS track from a CSV file with a header line.
+    """Read a recorded GPS or AIS track of one vessel from a CSV file with a header line.
 
-    Columns: `time` (s, or ISO 8601 date and time), and either `x`, `y` (m, east and north) or
-    `latitude`, `longitude` (degrees; read as metres east and north of the first point). Other columns
-    are left alone; the first time becomes 0.
+    Columns: `time` (s, or ISO 8601 date and time, UTC unless it says otherwise), and either `x`, `y` (m, east
+    and north) or `latitude`, `longitude` (degrees; read as metres east and north of the first point). The
+    names lat, lon, timestamp and BaseDateTime are understood. Other columns are left alone; the first time
+    becomes 0.
     Returns a Track through the points. Raises ValueError naming the file and what is wrong: a missing
     column, fewer than two rows, a value that is not a number, times unsorted or repeated.
     """
     name = Path(path).name
     with open(path, newline="", encoding="utf-8-sig") as file:
         reader = csv.DictReader(file, skipinitialspace=True)
-        rows = list(reader)
-    columns = {(column or "").strip().lower(): column for column in reader.fieldnames or []}
+        try:
+            rows, header = list(reader), reader.fieldnames or []
+        except (UnicodeDecodeError, csv.Error):
+            raise ValueError(f"{name} must be a CSV file of text in UTF-8") from None
+    columns = {(column or "").strip().lower(): column for column in header}
+    columns = {OTHER_NAMES.get(column, column): key for column, key in columns.items()}
     pair = next((pair for pair in (("x", "y"), ("latitude", "longitude")) if set(pair) <= set(columns)), None)
     if "time" not in columns or pair is None:
         raise ValueError(
-            f"{name} must have the columns time and x, y or time and latitude, longitude, but has {', '.join(columns)}"
+            f"{name} must have the columns time and x, y or time and latitude, longitude, "
+            f"but has {', '.join(columns) or 'none'}"
         )
     if len(rows) < 2:
         raise ValueError(f"{name} must have at least 2 rows of positions, but has {len(rows)}")
@@ -149,13 +193,6 @@ def require_increasing(name, time):
     return time
 
 
-def _require_speed(speed):
-    speed = require_finite("speed", speed)
-    if np.any(speed < 0):
-        raise ValueError(f"speed must not be negative, but {speed[speed < 0].flat[0]:g} was given")
-    return speed
-
-
 def _direction(heading):
     heading = require_finite("heading", heading)
     return np.array([np.cos(heading), np.sin(heading)])
@@ -167,9 +204,8 @@ def _seconds(name, line, text):
     except (TypeError, ValueError):
         pass
     try:
-        return float(
-            np.datetime64(text.strip().removesuffix("Z")).astype("datetime64[ms]").astype(float) / 1000
-        )
+        moment = datetime.fromisoformat(text.strip())
+        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
     except (AttributeError, ValueError):
         raise ValueError(
             f"{name}, line {line}: time must be seconds or a date and time, but is {text!r}"

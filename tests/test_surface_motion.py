@@ -210,9 +210,7 @@ def test_the_line_gives_the_heading_that_the_step_does_not():
 
 def test_position_errors_follow_range_squared_and_range(points):
     error = points - HEARD.position
-    radial, tangential = np.moveaxis(
-        rmse(sm.along_and_across(error, HEARD.azimuth), axis=0), -1, 0
-    )
+    radial, tangential = np.moveaxis(rmse(sm.along_and_across(error, HEARD.azimuth), axis=0), -1, 0)
     # The mean over 20 windows of 1000 trials: 1 % is three standard errors; the source's own noise adds a
     # little near closest approach, and the curvature of tan far out, so the windows are taken between.
     window = slice(60, 80)
