@@ -179,10 +179,11 @@ def geometry(scenario, time, retarded=True):
 def closest_approach(scenario):
     """The Geometry at the moment of the record at which the source is heard from the closest point."""
     ends = np.array([0.0, scenario.duration])
-    low, high = retarded_time(scenario.motion, scenario.sensor_depth, ends, scenario.sound_speed)
-    for _ in range(4):
-        emitted = np.linspace(low, high, 1001)
-        best = emitted[np.argmin(np.sum(scenario.motion.position(emitted) ** 2, axis=-1))]
+    motion = scenario.motion
+    low, high = retarded_time(motion, scenario.sensor_depth, ends, scenario.sound_speed)
+    for points in (1001, 101, 101, 101):
+        emitted = np.linspace(low, high, points)
+        best = emitted[np.argmin(np.sum(motion.position(emitted) ** 2, axis=-1))]
         low, high = max(low, best - (emitted[1] - emitted[0])), min(high, best + (emitted[1] - emitted[0]))
     there = _geometry_at(scenario, best, best)
     return _geometry_at(scenario, best + there.slant_range / scenario.sound_speed, best)
@@ -342,6 +343,8 @@ def maximum_likelihood_direction(covariance, velocity_noise_ratio=1.0):
             length2 = np.sum(a**2, axis=-1, keepdims=True)
             slope = np.sum(a**2 / (step + gap), axis=-1, keepdims=True)
             step = step + (np.sqrt(length2) - 1) * length2 / slope
+            if not np.any(np.abs(length2 - 1) > 1e-12):
+                break
     return direction_of_arrival(np.nan_to_num(np.einsum("...ij,...j->...i", axes, a)))
 
 
