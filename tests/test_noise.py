@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from labsim.noise import band_noise, sample_at
+from labsim.noise import band_noise, decibels, power_ratio, sample_at
 
 RATE = 8000.0
 
@@ -43,3 +43,31 @@ def test_reading_outside_the_signal_or_with_other_trials_is_refused():
         sample_at(np.zeros(100), RATE, 0.0)
     with pytest.raises(ValueError, match="time must have shape"):
         sample_at(np.zeros((2, 100)), RATE, np.full((3, 5), 0.006))
+
+
+def test_decibels_and_power_ratios_undo_each_other():
+    assert decibels(100.0) == pytest.approx(20.0)
+    np.testing.assert_allclose(power_ratio(decibels(np.array([0.1, 3.0]))), [0.1, 3.0])
+
+
+def test_band_noise_has_unit_power_all_of_it_in_its_band():
+    # 2 B T = 1600 degrees of freedom in each of 100 records: the mean power is known to 0.35 %.
+    noise = band_noise(np.random.default_rng(4), (100, 8000), (500, 1300), RATE)
+    assert np.mean(noise**2) == pytest.approx(1.0, rel=0.011)
+    power = np.mean(np.abs(np.fft.rfft(noise)) ** 2, axis=0)
+    frequency = np.fft.rfftfreq(8000, 1 / RATE)
+    inside = (frequency >= 500) & (frequency <= 1300)
+    assert np.max(power[~inside]) < 1e-20 * np.mean(power[inside])
+    halves = np.mean(power[inside].reshape(-1)[:400]), np.mean(power[inside][-400:])
+    assert halves[0] == pytest.approx(halves[1], rel=0.03)
+
+
+@pytest.mark.parametrize("band", [(300, 200), (-1, 200), (200, 4001), (200, 200), (200, np.nan)])
+def test_a_band_that_is_reversed_or_beyond_half_the_sample_rate_is_refused(band):
+    with pytest.raises(ValueError, match="band must be"):
+        band_noise(np.random.default_rng(0), 100, band, RATE)
+
+
+def test_a_band_between_two_frequency_bins_is_refused():
+    with pytest.raises(ValueError, match="band must be wider than 80 Hz"):
+        band_noise(np.random.default_rng(0), 100, (81, 159), RATE)
