@@ -123,13 +123,15 @@ def waypoint_track(time, position):
     return Track(spline, time[0], time[-1])
 
 
-def load_track(path):
+def load_track(path, origin=None):
     """Read a recorded GPS or AIS track of one vessel from a CSV file with a header line.
 
     Columns: `time` (s, or ISO 8601 date and time, UTC unless it says otherwise), and either `x`, `y` (m, east
-    and north) or `latitude`, `longitude` (degrees; read as metres east and north of the first point). The
+    and north) or `latitude`, `longitude` (degrees; read as metres east and north of the origin). The
     names lat, lon, timestamp and BaseDateTime are understood. Other columns are left alone; the first time
     becomes 0.
+    origin : what becomes (0, 0), say the sensor, in the file's unit: (x, y) or (latitude, longitude);
+        if None, the zero of x and y, or the first latitude and longitude
     Returns a Track through the points. Raises ValueError naming the file and what is wrong: a missing
     column, fewer than two rows, a value that is not a number, times unsorted or repeated.
     """
@@ -153,7 +155,10 @@ def load_track(path):
     time = np.array([_seconds(name, number, row[columns["time"]]) for number, row in enumerate(rows, 2)])
     values = np.array([[_number(name, n, c, row[columns[c]]) for c in pair] for n, row in enumerate(rows, 2)])
     time = require_increasing(f"time in {name}", time - time[0])
-    return waypoint_track(time, _metres(name, values) if pair[0] == "latitude" else values)
+    geographic = pair[0] == "latitude"
+    zero = values[0] if geographic else np.zeros(2)
+    zero = zero if origin is None else require_shape("origin", require_finite("origin", origin), (2,))
+    return waypoint_track(time, _metres(name, values, zero) if geographic else values - zero)
 
 
 def retarded_time(track, height, time, sound_speed, sensor=(0.0, 0.0)):
@@ -222,9 +227,10 @@ def _number(name, line, column, text):
     return value
 
 
-def _metres(name, degrees):
-    latitude, longitude = np.radians(degrees).T
+def _metres(name, degrees, origin):
     if np.any(np.abs(degrees[:, 0]) > 90) or np.any(np.abs(degrees[:, 1]) > 360):
         raise ValueError(f"{name}: latitude must lie within 90 degrees and longitude within 360 degrees of 0")
-    east = EARTH_RADIUS * np.cos(latitude[0]) * np.unwrap(longitude - longitude[0])
-    return np.stack([east, EARTH_RADIUS * (latitude - latitude[0])], axis=-1)
+    latitude, longitude = np.radians(degrees).T
+    north, east = np.radians(origin)
+    turn = np.unwrap(np.concatenate([[0.0], longitude - east]))[1:]
+    return EARTH_RADIUS * np.stack([np.cos(north) * turn, latitude - north], axis=-1)

@@ -168,6 +168,17 @@ def test_a_recorded_track_in_degrees(tmp_path, header):
     np.testing.assert_allclose(track.position([0.0, 10.0, 20.0]), expected, rtol=1e-6, atol=1e-6)
 
 
+def test_a_recorded_track_seen_from_a_sensor(tmp_path):
+    path = write(tmp_path, "time,latitude,longitude\n0,60.0,5.0\n10,60.001,5.002\n")
+    degree = EARTH_RADIUS * np.pi / 180
+    start = load_track(path, origin=(60.0005, 5.001)).position(0.0)
+    np.testing.assert_allclose(start, [-0.001 * degree * np.cos(np.radians(60.0005)), -0.0005 * degree])
+    path = write(tmp_path, "time,x,y\n0,3,4\n10,5,6\n")
+    np.testing.assert_allclose(load_track(path, origin=(3.0, 5.0)).position([0.0, 10.0]), [[0, -1], [2, 1]])
+    with pytest.raises(ValueError, match="origin must have shape"):
+        load_track(path, origin=(1.0, 2.0, 3.0))
+
+
 def test_a_track_across_the_date_line_stays_in_one_piece(tmp_path):
     track = load_track(write(tmp_path, "time,latitude,longitude\n0,0,179.999\n10,0,-179.999\n"))
     assert track.position(10.0)[0] == pytest.approx(0.002 * EARTH_RADIUS * np.pi / 180)
