@@ -128,7 +128,7 @@ def range_ratio(delay, reference=1):
     """M_k = tau_k / tau_0, the range now over the range at the start: Dong et al. 2020, eqs. 6-9.
 
     delay : (..., K), s; reference : tau_0 is the mean of that many first delays. More of them make it quieter
-    and older: their mean belongs to the middle of those frames, 0.4 % off for 30 frames of the paper's vessel.
+    and older: their mean belongs to the middle of those frames, 0.4 % off for 30 of the paper's frames.
     Raises ValueError for delays that are not above 0.
     """
     delay = require_positive("delay", delay)

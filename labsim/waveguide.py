@@ -136,7 +136,8 @@ def solve_modes(waveguide, frequency):
     Mode n solves k_z H + arctan2(rho_2 k_z, rho_1 kappa) = n pi with kappa^2 = K^2 - k_z^2 and
     K^2 = (w/c_1)^2 - (w/c_2)^2: the left side grows with k_z, and there is exactly one root between
     (n - 1/2) pi / H and the smaller of n pi / H and K. Bisection cannot leave that bracket.
-    Attenuation is first-order perturbation of the lossless mode; near cutoff it is rough.
+    Attenuation is first-order perturbation of the lossless mode. From 10 % above a mode's cutoff on, at the
+    paper's loss, that is right to 0.6 % and the wavenumber to 2e-5; within 2 % of cutoff to 8 % and worse.
     waveguide : PekerisWaveguide; frequency : (F,), Hz, increasing, or one frequency
     Returns Modes. Raises ValueError for a frequency at which no mode is trapped.
     """
@@ -238,22 +239,23 @@ def array_field(modes, array, distance, bearing, source_depth=3.0, memory=500e6,
     return result
 
 
-def ship_sound(rng, field, snr_db, gaussian=False):
+def ship_sound(rng, field, noise_power, gaussian=False):
     """Give each frame the spectrum of a ship and add the noise of the sea, in place.
 
-    The source has unit strength and random phase in every bin, or complex Gaussian amplitudes; the noise
-    is white over receivers and bins, and as strong in every frame.
-    rng : numpy.random.Generator; field : complex64 (K, elements, F)
-    snr_db : mean power of the field over the mean power of the noise at one receiver, dB
-    Returns `field`. Raises ValueError for an SNR that is not finite.
+    The source has unit strength and random phase in every bin, or complex Gaussian amplitudes; the noise is
+    white over receivers and bins. Frame after frame is drawn, so the first frames of a long scene are those
+    of a short one.
+    rng : numpy.random.Generator; field : complex64 (K, elements, F), of a source of unit strength
+    noise_power : mean square of the noise at one receiver in one bin, in the unit of |field|^2
+    Returns `field`. Raises ValueError for a noise power that is not above 0.
     """
-    noise_std = np.sqrt(np.mean(np.abs(field[:, 0]) ** 2) / 10 ** (require_finite("snr_db", snr_db) / 10) / 2)
+    noise_std = np.float32(np.sqrt(require_positive("noise_power", noise_power) / 2))
     for frame in field:
         draw = rng.standard_normal((2, frame.shape[-1]))
         source = (draw[0] + 1j * draw[1]) / np.sqrt(2)
         frame *= (source if gaussian else source / np.abs(source)).astype(np.complex64)
-        noise = rng.standard_normal((*frame.shape, 2), dtype=np.float32).view(np.complex64)[..., 0]
-        frame += noise * np.float32(noise_std)
+        noise = rng.standard_normal((*frame.shape, 2), dtype=np.float32)
+        frame += noise_std * noise.view(np.complex64)[..., 0]
     return field
 
 

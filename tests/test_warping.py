@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from labsim.course import Passage, bearing_and_range
+from labsim.noise import power_ratio
 from labsim.warping import (
     BAND,
     constant_limits,
@@ -115,7 +116,8 @@ def beam_delays(modes, passage, pair, seed, gaussian=False):
     """The scene at reduced size: one beam instead of 64 receivers, its noise lower by the array gain."""
     _, distance = bearing_and_range(passage.track, passage.time)
     beam = pressure(modes, distance)[:, None, :].astype(np.complex64)
-    ship_sound(np.random.default_rng(seed), beam, -15 + ARRAY_GAIN_DB, gaussian)
+    noise_power = np.mean(np.abs(beam) ** 2) * power_ratio(15 - ARRAY_GAIN_DB)
+    ship_sound(np.random.default_rng(seed), beam, noise_power, gaussian)
     spectrum = running_mean(np.abs(beam[:, 0]) ** 2, 16)
     middle = np.interp(np.arange(spectrum.shape[0]) + 7.5, np.arange(distance.size), distance)
     return delays(spectrum, 1.0, pulse_delay(SEA, *pair, distance[0])), middle

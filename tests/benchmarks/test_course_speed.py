@@ -1,0 +1,91 @@
+"""Notebook 06: the field of the full scene, all modes at once, and the running estimate of many trials."""
+
+import time
+import tracemalloc
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from labsim.course import Passage, bearing_and_range, observe, paper_course
+from labsim.waveguide import HorizontalArray, PekerisWaveguide, array_field, pressure, solve_modes
+
+SEA, ARRAY, PASSAGE = PekerisWaveguide(), HorizontalArray(), Passage()
+
+
+def seconds(function, *arguments):
+    start = time.perf_counter()
+    function(*arguments)
+    return time.perf_counter() - start
+
+
+def test_the_full_scene_in_500_mib(benchmark):
+    """1,172 frames x 64 receivers x 410 frequencies; the median is to stay below 5 s on two cores.
+
+    Against one direct sum for each receiver, timed for two of the 64 receivers in the same run.
+    """
+    modes = solve_modes(SEA, ARRAY.frequency)
+    bearing, distance = bearing_and_range(PASSAGE.track, PASSAGE.time)
+    tracemalloc.start()
+    field = array_field(modes, ARRAY, distance, bearing)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert field.shape == (1172, 64, 410) and peak <= 500 * 2**20
+    del field
+    benchmark.pedantic(array_field, (modes, ARRAY, distance, bearing), rounds=3)
+    direct = 32 * min(seconds(lambda: [pressure(modes, distance) for _ in range(2)]) for _ in range(2))
+    benchmark.extra_info.update(peak_mib=round(peak / 2**20), times_direct=direct / benchmark.stats["median"])
+    assert direct / benchmark.stats["median"] > 3
+
+
+def test_the_running_estimate_of_100_trials_beats_a_plain_loop_fifty_times(benchmark):
+    """The loop runs 4 of the 100 trials and is scaled by 25; both in one run on one machine."""
+    bearing, distance = bearing_and_range(PASSAGE.track, PASSAGE.time)
+    trials = observe(np.random.default_rng(1), bearing, distance / distance[0], 0.01, 0.05, 100)
+    benchmark(paper_course, *trials, 0.01, 0.05)
+    loop = 25 * seconds(lambda: [plain_loop(trials[0][n], trials[1][n], 0.01, 0.05) for n in range(4)])
+    benchmark.extra_info["times_plain_loop"] = loop / benchmark.stats["median"]
+    assert loop / benchmark.stats["median"] >= 50
+
+
+def test_all_modes_at_all_frequencies_against_an_independent_code(benchmark):
+    """pykrak (Akins) solves one frequency at a time; skipped where it is not installed."""
+    environment = pytest.importorskip(
+        "pykrak.pykrak_env", reason="pykrak is not installed: no independent normal-mode code to compare with"
+    )
+    column = [[np.array(pair)] for pair in ([0.0, 45.0], [1505.0, 1505.0], [0.0, 0.0], [1.0, 1.0])]
+    guide = environment.Env(*column, column[2], column[2], 1500.0, 0.0, 0.0, 0.0, 0.0, 1596.0, 0.0, 1.6,
+                            0.12, 0.0, "dbplam", np.zeros(2))  # fmt: skip
+
+    def reference(frequencies):
+        return [guide.get_modes(f, [2000], 0.0, 1400.0, 1596.0)[0] for f in frequencies]
+
+    reference(ARRAY.frequency[:1])
+    modes = benchmark(solve_modes, SEA, ARRAY.frequency)
+    some = ARRAY.frequency[::41]
+    slow = 41 * seconds(reference, some)
+    benchmark.extra_info["times_pykrak"] = slow / benchmark.stats["median"]
+    for index, found in zip(range(0, 410, 41), reference(some), strict=True):
+        deep = SEA.cutoff_frequency(np.arange(1, len(found) + 1)) * 1.1 < ARRAY.frequency[index]
+        ours = modes.wavenumber[: len(found), index]
+        assert np.max(np.abs(ours / found.real - 1)[deep]) <= 2e-5
+    assert slow > benchmark.stats["median"]
+
+
+def plain_loop(bearing, ratio, bearing_std, ratio_std):
+    """The paper's equations 15 to 24, one observation after another."""
+    course = np.full(bearing.size, np.nan)
+    a_sum, w_sum = np.zeros((2, 2)), np.zeros((2, 2))
+    c0, s0 = np.cos(bearing[0]), np.sin(bearing[0])
+    trend = np.zeros(2)
+    for k in range(1, bearing.size):
+        c, s, m = np.cos(bearing[k]), np.sin(bearing[k]), ratio[k]
+        a = np.array([-(m * c - c0), m * s - s0])
+        a_sum += np.outer(a, a)
+        w_sum += ratio_std**2 * np.outer([-c, s], [-c, s]) + (m * bearing_std) ** 2 * np.outer([s, c], [s, c])
+        w_sum += bearing_std**2 * np.outer([s0, c0], [s0, c0])
+        vector = scipy.linalg.eigh(a_sum, w_sum)[1][:, 0]
+        axis = np.arctan2(vector[0], vector[1])
+        trend += k * np.array([m * c - c0, m * s - s0])
+        course[k] = axis if trend @ [np.cos(axis), np.sin(axis)] >= 0 else axis + np.pi
+    return course
