@@ -127,11 +127,13 @@ def mean_and_difference(tau12, tau23):
 def bearing_from_delay(triplet, tau):
     """Bearing of a far target in the horizontal plane, the paper's eq. 2.1: asin(c tau / (a cos pitch)).
 
-    tau : (...), mean delay, s. Returns (...), radians.
+    tau : (...), mean delay, s, NaN where none was measured. Returns (...), radians, NaN there.
     Raises ValueError for a delay longer than sound needs along the line: no target makes it.
     """
     longest = triplet.spacing * np.cos(triplet.pitch) / triplet.sound_speed
-    return np.arcsin(require_between("tau", tau, -longest, longest) / longest)
+    missing = np.isnan(tau)
+    sine = require_between("tau", np.where(missing, 0, tau), -longest, longest) / longest
+    return np.where(missing, np.nan, np.arcsin(sine))
 
 
 def foreshortening(triplet, bearing):
@@ -140,7 +142,7 @@ def foreshortening(triplet, bearing):
     bearing : (...), radians, of a target in the horizontal plane. Returns (...).
     Raises ValueError on the array axis, where the line has no width and curvature tells no range.
     """
-    result = 1 - (np.cos(triplet.pitch) * np.sin(require_finite("bearing", bearing))) ** 2
+    result = 1 - (np.cos(triplet.pitch) * np.sin(bearing)) ** 2
     if np.any(result < ON_AXIS):
         raise ValueError("bearing must be at least 0.06 degrees off the array axis, which tells no range")
     return result
@@ -165,9 +167,17 @@ def range_from_delays(triplet, tau, eps):
     minus. And its numerator a² cos²(pitch) cos²(bearing) leaves out the a² sin²(pitch) by which a pitched
     line is longer across the wave. Raises ValueError for a target on the array axis.
     """
+    return _in_front(1.0, curvature_from_delays(triplet, tau, eps))
+
+
+def curvature_from_delays(triplet, tau, eps):
+    """1 / R of either sign, (c eps - 2 b) / (a² foreshortening), 1/m: what may be averaged.
+
+    tau, eps and errors as in `range_from_delays`. Returns (...); below 0 for no target in front.
+    """
     bearing = bearing_from_delay(triplet, tau)
     excess = triplet.sound_speed * np.asarray(eps) - 2 * displacement_toward(triplet, bearing)
-    return _in_front(triplet.spacing**2 * foreshortening(triplet, bearing), excess)
+    return excess / (triplet.spacing**2 * foreshortening(triplet, bearing))
 
 
 def range_from_delays_as_printed(triplet, tau, eps):
