@@ -17,6 +17,27 @@ from labsim.waveguide import group_delay_difference, solve_modes
 BAND = (200.0, 400.0)
 
 
+def stripe_contrast(spectrum, frequency, ratio, beta, band=BAND):
+    """How much of a spectrum's pattern keeps still when every row is read along its stripes, f ~ r^beta.
+
+    Chuprov's invariant: where a stripe crosses f at the first range, it crosses f M^beta at M times that
+    range. Read so, the rows of the right beta agree, and their mean keeps its contrast.
+    spectrum : (K, F), power; frequency : (F,), Hz, evenly spaced; ratio : M (K,); beta : assumed invariant
+    band : (low, high), Hz, of the first row; the other rows must find theirs within `frequency`
+    Returns the variance of the mean row over the mean variance of the rows, between about 1 / K and 1.
+    Raises ValueError where the stripes leave `frequency`.
+    """
+    step = frequency[1] - frequency[0]
+    wanted = np.arange(band[0], band[1], step) * require_positive("ratio", ratio)[:, None] ** beta
+    require_between("stripe frequency", wanted, frequency[0], frequency[-1])
+    place = (wanted - frequency[0]) / step
+    below = np.minimum(place.astype(int), frequency.size - 2)
+    row = np.arange(ratio.size)[:, None]
+    read = spectrum[row, below] + (place - below) * (spectrum[row, below + 1] - spectrum[row, below])
+    read = read / np.mean(read, axis=-1, keepdims=True)
+    return np.var(np.mean(read, axis=0)) / np.mean(np.var(read, axis=-1))
+
+
 def constant_limits(band, beta):
     """Between which values C h(f) = C f^(-beta) maps `band` onto a band that contains it.
 

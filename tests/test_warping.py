@@ -15,6 +15,7 @@ from labsim.warping import (
     range_ratio,
     ratio_error,
     running_mean,
+    stripe_contrast,
     track_pulse,
     warp,
     warping_constant,
@@ -148,6 +149,23 @@ def test_a_pulse_is_followed_past_a_stronger_one_that_stays_out_of_reach():
     tracks = track_pulse(np.stack([envelope, envelope[::-1]]), delay, np.array([0.1, weak[-1]]))
     assert np.max(np.abs(tracks[0] - weak)) < 1e-4
     assert np.max(np.abs(tracks[1] - weak[::-1])) < 1e-4
+
+
+def test_stripes_of_one_pair_keep_still_along_their_own_beta_and_blur_along_another():
+    distance = np.linspace(10e3, 8.5e3, 100)
+    spectrum = one_pair(1.2, distance)
+    contrast = [stripe_contrast(spectrum, ARRAY.frequency, distance / 10e3, beta) for beta in (1.0, 1.2, 1.4)]
+    assert contrast[1] > 0.98 and contrast[0] < 0.9 * contrast[1] and contrast[2] < 0.9 * contrast[1]
+
+
+def test_stripes_of_the_sea_have_a_beta_a_little_above_one(modes):
+    distance = np.linspace(10e3, 8.5e3, 200)
+    spectrum = np.abs(pressure(modes, distance)) ** 2
+    grid = np.arange(0.8, 1.5, 0.02)
+    contrast = [stripe_contrast(spectrum, ARRAY.frequency, distance / 10e3, beta) for beta in grid]
+    assert 1.0 < grid[np.argmax(contrast)] < 1.25 and max(contrast) > 0.8
+    with pytest.raises(ValueError, match="stripe frequency must lie between"):
+        stripe_contrast(spectrum, ARRAY.frequency, distance / 4e3, 1.0)
 
 
 @settings(max_examples=20, deadline=None)
