@@ -21,6 +21,8 @@ OLDEST = (3, 11)
 HELP = """\
 python3 -m labsim [JUPYTERLAB OPTIONS]   open the lab in the browser, at its first notebook
 python3 -m labsim test [PYTEST OPTIONS]  run every test, the notebooks among them
+python3 -m labsim figures [--paper N] [--out DIR]
+                                         write every reproduced figure and table to files
 python3 -m labsim --help                 this text
 
 The first run makes the environment in .venv from environment.txt: two or three minutes with a
@@ -42,6 +44,8 @@ def main(arguments):
         python = prepare()
         if arguments[:1] == ["test"]:
             return run([python, "-m", "pytest"] + arguments[1:])
+        if arguments[:1] == ["figures"]:
+            return run([python, "-m", "labsim.figures"] + arguments[1:])
         return run(lab_command(python) + arguments)
     except Problem as problem:
         print("labsim: " + str(problem), file=sys.stderr)

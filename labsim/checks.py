@@ -1,6 +1,6 @@
 """What a notebook says about answers and claims: a verdict on an exercise, and the table of a paper's claims."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from html import escape
 from importlib.util import find_spec
 
@@ -78,29 +78,56 @@ class Claim:
         require_choice("verdict", self.verdict, VERDICTS)
 
 
-class ClaimsTable:
-    """The claims of one paper, shown as a table."""
+class Table:
+    """Rows under a head, shown as a table.
 
-    HEAD = ("The paper says", "its value", "we measure", "verdict")
+    head : the columns' titles; rows : sequences of as many values, shown as they are written
+    name : of a table that reproduces one of a paper's, such as "paper3_table1", with the parameters
+        that made it; `python3 -m labsim figures` writes these to files
+    """
+
+    def __init__(self, head, rows, name=None, **parameters):
+        self.head, self.rows = tuple(head), [tuple(map(str, row)) for row in rows]
+        self.name, self.parameters = name, parameters
+        if any(len(row) != len(self.head) for row in self.rows):
+            raise ValueError(f"rows must have {len(self.head)} values, one for each title in head")
+
+    def __repr__(self):
+        return "\n".join(" | ".join(row) for row in (self.head, *self.rows))
+
+    def _repr_html_(self):
+        def line(tag, row):
+            return (
+                "<tr>" + "".join(f'<{tag} style="text-align:left">{text}</{tag}>' for text in row) + "</tr>"
+            )
+
+        body = "".join(line("td", self._marked(row)) for row in self.rows)
+        return f"<table><thead>{line('th', map(escape, self.head))}</thead><tbody>{body}</tbody></table>"
+
+    def _marked(self, row):
+        return [escape(text) for text in row]
+
+
+class ClaimsTable(Table):
+    """The claims of a paper with their verdicts; saved with the notebook as data, too."""
+
+    MIME = "application/vnd.labsim.claims+json"
 
     def __init__(self, *claims):
         self.claims = claims
+        rows = [(claim.statement, claim.paper, claim.measured, claim.verdict) for claim in claims]
+        super().__init__(("The paper says", "its value", "we measure", "verdict"), rows)
 
-    def __repr__(self):
-        rows = [(c.statement, c.paper, c.measured, c.verdict) for c in self.claims]
-        return "\n".join(" | ".join(row) for row in (self.HEAD, *rows))
+    def _marked(self, row):
+        *values, verdict = super()._marked(row)
+        return [*values, f"<b>{verdict}</b>"]
 
-    def _repr_html_(self):
-        head = "".join(f'<th style="text-align:left">{escape(title)}</th>' for title in self.HEAD)
-        body = "".join(
-            "<tr>"
-            + "".join(
-                f'<td style="text-align:left">{escape(t)}</td>' for t in (c.statement, c.paper, c.measured)
-            )
-            + f'<td style="text-align:left"><b>{escape(c.verdict)}</b></td></tr>'
-            for c in self.claims
-        )
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    def _repr_mimebundle_(self, **_):
+        return {
+            "text/plain": repr(self),
+            "text/html": self._repr_html_(),
+            self.MIME: [asdict(claim) for claim in self.claims],
+        }
 
 
 def verdict(holds, everywhere=True):

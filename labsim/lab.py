@@ -112,10 +112,13 @@ class Lab:
         return {**self.widget._repr_mimebundle_(), **data}, metadata
 
 
-def still(view, result):
-    """The picture of one result with its sentence, without sliders; ending a cell with it shows it."""
-    sentence = view.draw(result)
-    return _Still(_Painter(view.figure).paint(), sentence)
+def still(view, result, name=None, **parameters):
+    """The picture of one result with its sentence, without sliders; ending a cell with it shows it.
+
+    name : of a picture that reproduces one of a paper's, such as "paper1_figure4", with the parameters
+        that made it; `python3 -m labsim figures` writes these to files
+    """
+    return Still(view, result, name, parameters)
 
 
 def show_source(*functions):
@@ -123,12 +126,16 @@ def show_source(*functions):
     return Markdown("\n".join(f"```python\n{inspect.getsource(function)}```" for function in functions))
 
 
-class _Still:
-    def __init__(self, image, sentence):
-        self.image, self.sentence = image, sentence
+class Still:
+    """A picture without sliders; made by `still`."""
+
+    def __init__(self, view, result, name, parameters):
+        self.sentence = view.draw(result)
+        self.figure, self.name, self.parameters = view.figure, name, parameters
+        self._image = _Painter(view.figure).paint()
 
     def _repr_mimebundle_(self, **_):
-        return _still_bundle(self.image, self.sentence)
+        return _still_bundle(self._image, self.sentence)
 
 
 class _Painter:

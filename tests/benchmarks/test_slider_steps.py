@@ -5,13 +5,13 @@ a median of 40 ms. The table is for people to read; no test fails on a time.
 """
 
 import itertools
-import os
 from functools import cache
 
 import pytest
 from conftest import CHAPTERS, code_cells, read_notebook, source
 
-import labsim.lab
+from labsim.figures import displayed
+from labsim.lab import Lab
 
 STEPS = 40
 
@@ -22,25 +22,8 @@ def lab_count(path):
 
 @cache
 def labs_of(path):
-    """Run a chapter's code and return the Labs it made, in order."""
-    made = []
-
-    class Recorded(labsim.lab.Lab):
-        def __init__(self, *arguments, **controls):
-            super().__init__(*arguments, **controls)
-            made.append(self)
-
-    original, folder = labsim.lab.Lab, os.getcwd()
-    labsim.lab.Lab = Recorded
-    os.chdir(path.parent)
-    try:
-        namespace = {"__name__": "__main__", "display": lambda *_: None}
-        for cell in code_cells(read_notebook(path)):
-            exec(compile(source(cell), path.name, "exec"), namespace)
-    finally:
-        labsim.lab.Lab = original
-        os.chdir(folder)
-    return made
+    """Run a chapter's code and return the Labs it shows, in order."""
+    return [shown for shown in displayed(path) if isinstance(shown, Lab)]
 
 
 def other_values(control):
