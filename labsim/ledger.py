@@ -6,7 +6,6 @@ there, computes nothing anew and types nothing in.
 
 import json
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 
 from labsim.checks import VERDICTS, Claim, ClaimsTable, Table

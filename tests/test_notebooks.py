@@ -12,7 +12,9 @@ LARGEST_FILE = 1_000_000
 PICTURES = ("Lab(", "still(")
 EVERY = pytest.mark.parametrize("path", CHAPTERS + SOLUTIONS, ids=lambda path: path.stem)
 CHAPTER = pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem)
-COURSE = pytest.mark.parametrize("path", CHAPTERS[1:], ids=lambda path: path.stem)
+COURSE = pytest.mark.parametrize(
+    "path", [path for path in CHAPTERS if "01" <= path.stem[:2] <= "08"], ids=lambda path: path.stem
+)
 
 
 def headings(notebook):
@@ -124,7 +126,9 @@ def test_chapter_has_sliders(path):
 
 
 @CHAPTER
-def test_solutions_stand_beside_the_chapter(path):
+def test_solutions_stand_beside_the_exercises(path):
+    if "labsim.exercises" not in path.read_text(encoding="utf-8"):
+        pytest.skip("no exercises")
     notebook = read_notebook(path.parent / "solutions" / f"{path.stem}_solutions.ipynb")
     assert "assert" in "".join(source(cell) for cell in code_cells(notebook))
 
