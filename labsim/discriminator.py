@@ -7,6 +7,7 @@ error x = x1 - x0: it says which way to turn the delay line. Source: section 3 o
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.fft import next_fast_len
@@ -266,7 +267,8 @@ class BasebandObserver:
     """The same view without waveforms: a sine of the true slope plus white noise of the mended density.
 
     pair : Pair; delay : (steps,) or (steps, trials), x1 in the middle of each step, s
-    noise : (2, steps, trials), independent normal numbers for quadrature and in-phase channel
+    noise : (2, steps, trials), independent normal numbers for the error signal and the in-phase reading;
+        (1, steps, trials) will do for a loop that reads the error signal alone
     power : number, (steps,) or (steps, trials), multiplies the pair's signal power
     """
 
@@ -276,7 +278,7 @@ class BasebandObserver:
     power: np.ndarray = 1.0
 
     def __post_init__(self):
-        _, steps, trials = require_shape("noise", self.noise, (2, None, None)).shape
+        _, steps, trials = require_shape("noise", self.noise, (None, None, None)).shape
         for name, value in (("delay", self.delay), ("power", self.power)):
             if np.shape(value) not in ((), (steps,), (steps, 1), (steps, trials)):
                 raise ValueError(f"{name} must fit {steps} steps of {trials} trials, not {np.shape(value)}")
@@ -290,11 +292,10 @@ class BasebandObserver:
     def error_signal(self, k, delay):
         """As `WaveformObserver.error_signal`."""
         pair, signal = self.pair, self._signal_power(k)
-        sine = np.sin(pair.angular_frequency * (self.delay[k] - delay))
-        spread = pair.noise_power * (pair.noise_power + 2 * signal) + 2 * (signal * sine) ** 2
-        scale = np.sqrt(_noise_scale(pair) / pair.step)
-        height = curve_slope(pair) / pair.signal_power / pair.angular_frequency
-        return height * signal * sine + scale * np.sqrt(spread) * self.noise[0, k]
+        sine = signal * np.sin(pair.angular_frequency * (self.delay[k] - delay))
+        spread = pair.noise_power * (pair.noise_power + 2 * signal) + 2 * sine**2
+        height, scale = self._scales
+        return height * sine + scale * np.sqrt(spread) * self.noise[0, k]
 
     def in_phase(self, k, delay):
         """As `WaveformObserver.in_phase`."""
@@ -302,6 +303,10 @@ class BasebandObserver:
         cosine = np.cos(pair.angular_frequency * (self.delay[k] - delay))
         spread = pair.noise_power * (pair.noise_power + 2 * signal) + 2 * (signal * cosine) ** 2
         return signal * cosine + np.sqrt(spread / (2 * pair.bandwidth * pair.step)) * self.noise[1, k]
+
+    @cached_property
+    def _scales(self):
+        return _curve_and_noise_scales(self.pair)
 
     def _signal_power(self, k):
         power = self.power if np.ndim(self.power) == 0 else self.power[k]
@@ -336,8 +341,8 @@ class TwoSourceObserver:
     def error_signal(self, k, delay):
         """As `WaveformObserver.error_signal`."""
         coherence, power = self._coherence(k, delay)
-        spread = np.sqrt(power**2 - np.real(coherence**2)) * np.sqrt(_noise_scale(self.pair) / self.pair.step)
-        height = curve_slope(self.pair) / self.pair.signal_power / self.pair.angular_frequency
+        height, scale = self._scales
+        spread = scale * np.sqrt(power**2 - np.real(coherence**2))
         return height * coherence.imag + spread * self.noise[0, k]
 
     def in_phase(self, k, delay):
@@ -345,6 +350,10 @@ class TwoSourceObserver:
         coherence, power = self._coherence(k, delay)
         spread = np.sqrt((power**2 + np.real(coherence**2)) / (2 * self.pair.bandwidth * self.pair.step))
         return coherence.real + spread * self.noise[1, k]
+
+    @cached_property
+    def _scales(self):
+        return _curve_and_noise_scales(self.pair)
 
     def _coherence(self, k, delay):
         false_power = np.broadcast_to(self.false_power, self.delay.shape)[k]
@@ -356,6 +365,12 @@ class TwoSourceObserver:
 
 def _noise_scale(pair):
     return 2 / (np.pi**2 * pair.centre_frequency**2 * pair.bandwidth)
+
+
+def _curve_and_noise_scales(pair):
+    """Height of the sine of the true slope, for a power of 1, and deviation of the noise in one step."""
+    height = 2 * (1 + np.sinc(pair.bandwidth / (2 * pair.centre_frequency))) / pair.angular_frequency
+    return height, np.sqrt(_noise_scale(pair) / pair.step)
 
 
 def _turned(pair, waveform):

@@ -72,7 +72,9 @@ def test_jitter_of_the_loop_on_waveforms_and_at_baseband(ratio, time_constant, s
     # 48 records hold 24 seconds / T independent values: standard error 2.3 to 4.6 % of the variance.
     rng, pair = np.random.default_rng(seed), replace(PAIR, noise_power=ratio)
     settled = round(6 * time_constant / pair.step)
-    waveform = dt.track(from_waveforms(rng, pair, np.zeros(8000 * seconds), 48), pair, Loop(time_constant))[settled:]
+    waveform = dt.track(from_waveforms(rng, pair, np.zeros(8000 * seconds), 48), pair, Loop(time_constant))[
+        settled:
+    ]
     baseband = dt.track(at_baseband(rng, pair, np.zeros(5000), 300), pair, Loop(time_constant))[settled:]
     constant = dt.loop_constant(pair)
     assert 0.93 < np.var(waveform) * time_constant / constant < 1.08

@@ -109,9 +109,7 @@ def test_printed_sign_ruins_the_range_of_a_known_displacement():
     assert np.median(np.where(np.isnan(error), np.inf, error)) > 0.3
 
 
-@pytest.mark.parametrize(
-    "pitch_deg, percent", [(5.0, (-0.76, -1.01, -2.97)), (10.0, (-3.0, -4.0, -11.1))]
-)
+@pytest.mark.parametrize("pitch_deg, percent", [(5.0, (-0.76, -1.01, -2.97)), (10.0, (-3.0, -4.0, -11.1))])
 def test_printed_numerator_loses_the_square_of_the_pitch(pitch_deg, percent):
     triplet = Triplet(pitch=np.radians(pitch_deg))
     delays = pr.mean_and_difference(*pr.arrival_delays(triplet, pr.target_at(5e3, BEARINGS)))
