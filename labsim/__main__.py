@@ -20,6 +20,7 @@ OLDEST = (3, 11)
 
 HELP = """\
 python3 -m labsim [JUPYTERLAB OPTIONS]   open the lab in the browser, at its first notebook
+python3 -m labsim apps [VOILA OPTIONS]   open the chapters as pages of sliders and text, without code
 python3 -m labsim test [PYTEST OPTIONS]  run every test, the notebooks among them
 python3 -m labsim figures [--paper N] [--out DIR]
                                          write every reproduced figure and table to files
@@ -44,6 +45,9 @@ def main(arguments):
         python = prepare()
         if arguments[:1] == ["test"]:
             return run([python, "-m", "pytest"] + arguments[1:])
+        if arguments[:1] == ["apps"]:
+            require_voila(python)
+            return run(apps_command(python) + arguments[1:])
         if arguments[:1] == ["figures"]:
             return run([python, "-m", "labsim.figures"] + arguments[1:])
         return run(lab_command(python) + arguments)
@@ -68,6 +72,22 @@ def lab_command(python):
         python, "-m", "jupyterlab",
         "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb",
     ]  # fmt: skip
+
+
+def apps_command(python):
+    """Voila, which runs a notebook for each visitor and shows all of it but the code."""
+    return [python, "-m", "voila", "notebooks", "--classic-tree"]
+
+
+def require_voila(python):
+    """Install the extra `apps` where the environment lacks it."""
+    if subprocess.call([python, "-c", "import voila"], stderr=subprocess.DEVNULL) == 0:
+        return
+    if pip_install(python, "--editable", ".[apps]"):
+        raise Problem(
+            "Voila, which shows the pages, could not be installed; see pip's message above, connect to a "
+            "network and run the command again."
+        )
 
 
 def prepare():
@@ -112,13 +132,18 @@ def install(python):
         shutil.rmtree(ENVIRONMENT, ignore_errors=True)
         if subprocess.call([sys.executable, "-m", "venv", ENVIRONMENT]):
             raise Problem("Python could not make an environment in .venv; see its message above.")
-    pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-input", "--requirement", PINS]
-    if subprocess.call(pip, cwd=ROOT):
+    if pip_install(python, "--requirement", PINS):
         raise Problem(
             "the packages could not be installed; see pip's message above. If there is no network, "
             "connect to one and run the command again."
         )
     write_settings()
+
+
+def pip_install(python, *what):
+    """Install with the environment's pip; returns its exit status."""
+    pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-input"]
+    return subprocess.call(pip + list(what), cwd=ROOT)
 
 
 def write_settings():

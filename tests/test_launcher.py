@@ -138,3 +138,43 @@ def test_arguments_reach_jupyterlab(clone, monkeypatch):
     assert commands[0][-3:] == ["--no-browser", "--port", "8899"]
     launcher.main(["test", "-k", "floors"])
     assert commands[1][1:] == ["-m", "pytest", "-k", "floors"]
+
+
+@pytest.fixture
+def voila(clone, monkeypatch):
+    """A finished environment; what is called in it, and whether voila is there and can be installed."""
+    launcher.prepare()
+    voila.present, voila.installs = True, True
+    voila.calls, voila.runs = [], []
+
+    def call(command, cwd=None, stderr=None):
+        voila.calls.append(command)
+        return 0 if (voila.installs if "pip" in command else voila.present) else 1
+
+    monkeypatch.setattr(launcher.subprocess, "call", call)
+    monkeypatch.setattr(launcher, "run", lambda command: voila.runs.append(command) or 0)
+    return voila
+
+
+def test_apps_serve_the_notebooks_and_pass_options_on(voila):
+    assert launcher.main(["apps", "--no-browser", "--port", "8866"]) == 0
+    assert voila.runs[0][1:4] == ["-m", "voila", "notebooks"]
+    assert voila.runs[0][-3:] == ["--no-browser", "--port", "8866"]
+    assert not [command for command in voila.calls if "pip" in command]
+
+
+def test_apps_install_what_they_need_once(voila):
+    voila.present = False
+    assert launcher.main(["apps"]) == 0
+    (pip,) = [command for command in voila.calls if "pip" in command]
+    assert pip[-1] == ".[apps]"
+    assert len(voila.runs) == 1
+
+
+def test_apps_without_a_network_say_what_to_do(voila, capsys):
+    voila.present = voila.installs = False
+    assert launcher.main(["apps"]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("labsim: Voila, which shows the pages, could not be installed")
+    assert "network" in said and len(said.strip().splitlines()) == 1
+    assert voila.runs == []
