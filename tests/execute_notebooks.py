@@ -19,7 +19,9 @@ def execute(path):
     """Run one notebook and write it back; raises on the first cell that fails."""
     notebook = nbformat.read(path, as_version=4)
     resources = {"metadata": {"path": str(path.parent)}}
-    NotebookClient(notebook, timeout=300, record_timing=False, resources=resources).execute()
+    NotebookClient(
+        notebook, timeout=300, record_timing=False, coalesce_streams=True, resources=resources
+    ).execute()
     clean(notebook)
     nbformat.validate(notebook)
     nbformat.write(notebook, path)
