@@ -419,8 +419,13 @@ def test_the_recording_has_the_power_of_signal_and_noise():
 def test_the_recording_of_an_approaching_vessel_is_shifted_up_in_frequency():
     """Straight at the sensor at 100 m/s: a line of 500 Hz is heard at 500 / (1 - 100/1500) Hz, 535.7."""
     vessel = PassingVessel(
-        sensor_depth=0.1, start=(-3000.0, 0.0), speed=100.0, heading=0.0,
-        duration=10.0, band=(499.0, 501.0), snr_db=40.0,
+        sensor_depth=0.1,
+        start=(-3000.0, 0.0),
+        speed=100.0,
+        heading=0.0,
+        duration=10.0,
+        band=(499.0, 501.0),
+        snr_db=40.0,
     )
     heard = record(vessel, rng(45))
     spectrum = np.abs(np.fft.rfft(heard.pressure * np.hanning(heard.pressure.size))) ** 2
