@@ -1,8 +1,8 @@
 """Make recorded_track.csv, a SYNTHETIC sample of a GPS track, for notebook 03.
 
 No vessel sailed it. It is laid out like a recorded track so that notebook 03 can show how to read one of
-your own: times and degrees, one fix every 5 seconds for three minutes, each wrong by about 0.3 m, as after
-differential correction. A vessel of 7.5 m/s passes 60 m from the point SENSOR and alters course by 50 degrees.
+your own: times and degrees, one fix every 5 seconds for two minutes, each wrong by about 0.3 m, as after
+differential correction. A vessel of 6 m/s passes 60 m from the point SENSOR and turns by 80 degrees.
 Run it from the repository: python notebooks/data/make_samples.py.
 """
 
@@ -21,14 +21,14 @@ FIX_ERROR = 0.3
 def sailed():
     """The path without the errors of the fixes: metres from SENSOR."""
     heading = np.radians(20.0)
-    start = passing_start(60.0, 60.0, 7.5, heading)
-    turn = heading + np.radians([0.0, 0.0, 50.0, 50.0])
-    return course_track(start, 7.5, [0.0, 80.0, 120.0, 180.0], turn)
+    start = passing_start(60.0, 35.0, 6.0, heading)
+    turn = heading + np.radians([0.0, 0.0, 80.0, 80.0])
+    return course_track(start, 6.0, [0.0, 45.0, 80.0, 120.0], turn)
 
 
 def lines():
     """The lines of the file."""
-    time = np.arange(0, 181, 5)
+    time = np.arange(0, 121, 5)
     fixes = sailed().position(time) + np.random.default_rng(SEED).normal(scale=FIX_ERROR, size=(time.size, 2))
     east, north = np.degrees(fixes / EARTH_RADIUS).T
     latitude, longitude = SENSOR[0] + north, SENSOR[1] + east / np.cos(np.radians(SENSOR[0]))
