@@ -3,6 +3,7 @@
 import runpy
 
 import numpy as np
+import pytest
 from conftest import ROOT
 
 from labsim.motion import load_track
@@ -19,6 +20,7 @@ def test_the_sample_is_what_its_script_makes_and_says_that_it_is_synthetic():
 
 def test_the_sample_reads_as_the_path_it_was_made_from():
     track = load_track(DATA / "recorded_track.csv", origin=SAMPLES["SENSOR"])
-    time = np.arange(0.0, 120.0, 0.5)
-    miss = np.linalg.norm(track.position(time) - SAMPLES["sailed"]().position(time), axis=-1)
-    assert np.sqrt(np.mean(miss**2)) < np.sqrt(2) * SAMPLES["FIX_ERROR"]
+    # 25 fixes with 50 errors: their root mean square is known to 10 %, and three of these are allowed.
+    time = np.arange(0.0, 121.0, 5.0)
+    miss = track.position(time) - SAMPLES["sailed"]().position(time)
+    assert np.sqrt(np.mean(miss**2)) == pytest.approx(SAMPLES["FIX_ERROR"], rel=0.3)

@@ -94,7 +94,7 @@ class FitView:
         near = np.abs(time - result["abeam"]) < 2
         along, across = np.sqrt(np.nanmean(result["error"][near] ** 2, axis=0))
         self.titles[0].set_text(result["fit"])
-        self.titles[1].set_text(f"Near the closest approach wrong by {_two(np.hypot(along, across))} m/s")
+        self.titles[1].set_text(f"Near abeam wrong by {_two(np.hypot(along, across))} m/s")
         self.titles[2].set_text(_larger("Most of the error lies", along, across))
         return (
             f"{result['fit']}: within 2 s of the closest approach the velocity is wrong by {_two(along)} m/s "
