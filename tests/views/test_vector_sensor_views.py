@@ -51,7 +51,8 @@ def test_the_hodograph_points_to_the_estimate_and_its_opposite():
 def test_the_retardation_view_says_how_far_behind_the_sound_left():
     result = dict(
         track=np.zeros((3, 2)), now=np.array([30.0, 40.0]), heard=np.array([30.0, 38.0]), delay=0.2,
-        time=np.arange(4), error_deg=np.zeros(4), expected_deg=np.array([0, -0.5, 0.1, 0]), moment=12.0, corrected=False,
+        time=np.arange(4), error_deg=np.zeros(4), expected_deg=np.array([0, -0.5, 0.1, 0]),
+        moment=12.0, corrected=False,
     )  # fmt: skip
     sentence = signal_model.RetardationView().draw(result)
     assert "2.0 m behind" in sentence and "0.50°" in sentence and "where it is" in sentence
