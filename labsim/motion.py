@@ -33,15 +33,12 @@ class Track:
     def position(self, time):
         """Position at times (...), s; returns (..., 2), m. Before and after the track it runs straight on."""
         inside = np.clip(time, self.start_time, self.end_time)
-        return self.path(inside) + self._excess(time, inside) * self.path(inside, 1)
+        position, beyond = self.path(inside), np.asarray(time) - inside
+        return position + beyond[..., None] * self.path(inside, 1) if np.any(beyond) else position
 
     def velocity(self, time):
         """Velocity at times (...), s; returns (..., 2), m/s."""
         return self.path(np.clip(time, self.start_time, self.end_time), 1)
-
-    def _excess(self, time, inside):
-        with np.errstate(invalid="ignore"):
-            return np.nan_to_num(np.asarray(time, dtype=float) - inside)[..., None]
 
 
 def straight_track(start, speed, heading):
