@@ -12,6 +12,7 @@ sensor to the source, and particle velocity is scaled by rho c and counted posit
 
 import struct
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -78,7 +79,7 @@ class PassingVessel:
             )
         _check_track(self.track, self.duration)
 
-    @property
+    @cached_property
     def motion(self):
         """The Track in force: `track`, or the straight one from start, speed and heading."""
         return self.track or straight_track(self.start, self.speed, self.heading)
