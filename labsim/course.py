@@ -86,6 +86,12 @@ def bearing_and_range(track, time, clearance=16.0):
     return np.unwrap(np.arctan2(position[:, 1], position[:, 0])), np.linalg.norm(position, axis=-1)
 
 
+def bearing_and_ratio(passage):
+    """True bearing and range ratio of a Passage at every frame, (K,) each; raises as `bearing_and_range`."""
+    bearing, distance = bearing_and_range(passage.track, passage.time)
+    return bearing, distance / distance[0]
+
+
 def observe(rng, bearing, ratio, bearing_std, ratio_std, trials):
     """Noisy bearings and range ratios as in the paper's Monte Carlo runs; the first ratio is 1 by definition.
 
@@ -161,8 +167,8 @@ def paper_course(bearing, ratio, bearing_std, ratio_std, running=True):
     """
     bearing, ratio = _observations(bearing, ratio, bearing_std, ratio_std)
     equation = _from_first(bearing, ratio)
-    noise = _independent_noise(bearing, ratio, bearing_std, ratio_std, skip_first=True)
-    *moments, n = _sums(running, *_products(equation), _after_first(np.ones_like(ratio)))
+    noise = _independent_noise(bearing, ratio, bearing_std, ratio_std)
+    *moments, n = _sums(running, *_products(equation), _after_first(np.ones(ratio.shape[-1])))
     noise = _sums(running, *noise)
     shared = _first_bearing_noise(bearing, bearing_std)
     axis = _least_eigenvector_axis(moments, [w + n * s for w, s in zip(noise, shared, strict=True)])
@@ -178,16 +184,15 @@ def centred_course(bearing, ratio, bearing_std, ratio_std, running=True):
     ratio_std : its standard deviation as a fraction of its mean.
     """
     bearing, ratio = _observations(bearing, ratio, bearing_std, ratio_std)
-    noise = _independent_noise(bearing, ratio, bearing_std, 0.0)
-    per_ratio = _independent_noise(bearing, ratio, 0.0, ratio_std)
+    radial, across = _noise_shapes(bearing, ratio)
     x, y = -ratio * np.cos(bearing), ratio * np.sin(bearing)
-    xx, xy, yy, x, y, total, n = _sums(running, *_products((x, y)), x, y, ratio, np.ones_like(ratio))
-    noise, per_ratio = _sums(running, *noise), _sums(running, *per_ratio)
+    xx, xy, yy, x, y, total, n = _sums(running, *_products((x, y)), x, y, ratio, np.ones(ratio.shape[-1]))
+    radial, across = _sums(running, *radial), _sums(running, *across)
     with np.errstate(invalid="ignore", divide="ignore"):
         centred = (xx - x * x / n, xy - x * y / n, yy - y * y / n)
-        spread = [w + (total / n) ** 2 * m for w, m in zip(noise, per_ratio, strict=True)]
-        axis = _least_eigenvector_axis(centred, spread)
-    return resolve_course(axis, bearing, ratio, running)
+        radial_var = (ratio_std * total / n) ** 2
+        spread = [bearing_std**2 * w + radial_var * m for w, m in zip(across, radial, strict=True)]
+    return resolve_course(_least_eigenvector_axis(centred, spread), bearing, ratio, running)
 
 
 def correlated_error_course(bearing, ratio, bearing_std, ratio_std, running=True):
@@ -199,18 +204,35 @@ def correlated_error_course(bearing, ratio, bearing_std, ratio_std, running=True
     """
     bearing, ratio = _observations(bearing, ratio, bearing_std, ratio_std)
     equation = _from_first(bearing, ratio)
-    noise = _independent_noise(bearing, ratio, bearing_std, ratio_std, skip_first=True)
-    xx, xy, yy, x, y, n = _sums(running, *_products(equation), *equation, _after_first(np.ones_like(ratio)))
+    noise = _independent_noise(bearing, ratio, bearing_std, ratio_std)
+    xx, xy, yy, x, y, n = _sums(
+        running, *_products(equation), *equation, _after_first(np.ones(ratio.shape[-1]))
+    )
     noise, shared = _sums(running, *noise), _first_bearing_noise(bearing, bearing_std)
-    course = paper_course(bearing, ratio, bearing_std, ratio_std, running)
+    axis = _least_eigenvector_axis((xx, xy, yy), [w + n * s for w, s in zip(noise, shared, strict=True)])
     for _ in range(2):
-        common = _quadratic(shared, course)
+        common = _quadratic(shared, axis)
         with np.errstate(invalid="ignore", divide="ignore"):
-            kappa = common / (_quadratic(noise, course) / n + n * common)
+            kappa = common / (_quadratic(noise, axis) / n + n * common)
             moments = (xx - kappa * x * x, xy - kappa * x * y, yy - kappa * y * y)
             spread = [(1 - kappa) * w + (n - kappa * n**2) * s for w, s in zip(noise, shared, strict=True)]
-        course = resolve_course(_least_eigenvector_axis(moments, spread), bearing, ratio, running)
-    return course
+        axis = _least_eigenvector_axis(moments, spread)
+    return resolve_course(axis, bearing, ratio, running)
+
+
+def all_courses(time, bearing, ratio, bearing_std, ratio_std, running=True):
+    """The five estimates by name: paper, centred, correlated, and of bearings only free and anchored.
+
+    Arguments and results as for each of them.
+    """
+    observed = (bearing, ratio, bearing_std, ratio_std, running)
+    return {
+        "paper": paper_course(*observed),
+        "centred": centred_course(*observed),
+        "correlated": correlated_error_course(*observed),
+        "free": free_bearings_only_course(time, bearing, running),
+        "anchored": bearings_only_course(time, bearing, running),
+    }
 
 
 def resolve_course(axis, bearing, ratio, running=True):
@@ -220,9 +242,9 @@ def resolve_course(axis, bearing, ratio, running=True):
     axis : (..., K) or (..., 1), radians modulo pi; bearing, ratio : (..., K)
     Returns course, of the shape of `axis`, radians in [-pi, pi).
     """
-    step = np.broadcast_to(np.arange(ratio.shape[-1], dtype=float), ratio.shape)
+    step = np.arange(ratio.shape[-1], dtype=float)
     x, y = ratio * np.cos(bearing), ratio * np.sin(bearing)
-    n, k, sx, sy, kx, ky = _sums(running, np.ones_like(ratio), step, x, y, step * x, step * y)
+    n, k, sx, sy, kx, ky = _sums(running, np.ones(step.size), step, x, y, step * x, step * y)
     along = (kx - k * sx / n) * np.cos(axis) + (ky - k * sy / n) * np.sin(axis)
     return angle_difference(axis + np.where(along < 0, np.pi, 0.0), 0)
 
@@ -233,9 +255,9 @@ def resolve_course_by_bearing(axis, bearing, running=True):
     Arguments and result as for `resolve_course`. The paper sets a constant bearing apart, and has to: there
     the rule follows the noise of the bearing.
     """
-    step = np.broadcast_to(np.arange(bearing.shape[-1], dtype=float), bearing.shape)
+    step = np.arange(bearing.shape[-1], dtype=float)
     turn = angle_difference(bearing, bearing[..., :1])
-    n, k, total, weighted = _sums(running, np.ones_like(bearing), step, turn, step * turn)
+    n, k, total, weighted = _sums(running, np.ones(step.size), step, turn, step * turn)
     grows = weighted - k * total / n > 0
     side = np.sin(axis - bearing[..., :1]) > 0
     return angle_difference(axis + np.where(grows == side, 0.0, np.pi), 0)
@@ -261,10 +283,23 @@ def paper_course_std(bearing, ratio, course, bearing_std, ratio_std, running=Tru
 
     Arguments as for `course_bound`. Returns (from the later observations, from the first bearing), radians.
     """
-    slope, variance, toward = _residual(bearing, ratio, course, bearing_std, ratio_std)
-    weight, spread, total = _sums(running, slope**2, slope**2 * variance, slope)
+    slope, variance, _ = _residual(bearing, ratio, course, bearing_std, ratio_std)
+    weight, spread = _sums(running, slope**2, slope**2 * variance)
+    first = bearing_std * np.abs(first_bearing_slope(bearing, ratio, course, running))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.sqrt(spread) / weight, bearing_std * np.abs(toward * total) / weight
+        return np.sqrt(spread) / weight, first
+
+
+def first_bearing_slope(bearing, ratio, course, running=True):
+    """By how much `paper_course` moves when the first bearing does: cos(theta_0 - phi) sum D / sum D^2.
+
+    D = cos(theta_0 - phi) - M cos(theta - phi) is the slope of each residual. More observations do not make
+    this factor small: that is why the estimator is not consistent. Arguments as for `course_bound`.
+    """
+    slope, _, toward = _residual(bearing, ratio, course, 0.0, 0.0)
+    total, weight = _sums(running, slope, slope**2)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return toward * total / weight
 
 
 def uniform_motion_bound(time, bearing, relative_speed, course, bearing_std, ratio=None, ratio_std=None):
@@ -329,15 +364,16 @@ def _from_first(bearing, ratio):
     return cosine[..., :1] - ratio * cosine, ratio * sine - sine[..., :1]
 
 
-def _independent_noise(bearing, ratio, bearing_std, ratio_std, skip_first=False):
+def _noise_shapes(bearing, ratio):
     cosine, sine = np.cos(bearing), np.sin(bearing)
-    radial, across = ratio_std**2, (bearing_std * ratio) ** 2
-    terms = (
-        radial * cosine**2 + across * sine**2,
-        (across - radial) * sine * cosine,
-        radial * sine**2 + across * cosine**2,
-    )
-    return [_after_first(term) for term in terms] if skip_first else terms
+    square, product = ratio**2, sine * cosine
+    radial = (cosine**2, -product, sine**2)
+    return radial, (square * radial[2], square * product, square * radial[0])
+
+
+def _independent_noise(bearing, ratio, bearing_std, ratio_std):
+    radial, across = _noise_shapes(bearing, ratio)
+    return [_after_first(ratio_std**2 * r + bearing_std**2 * a) for r, a in zip(radial, across, strict=True)]
 
 
 def _first_bearing_noise(bearing, bearing_std):

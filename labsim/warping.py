@@ -134,15 +134,15 @@ def track_pulse(envelope, delay, start, reach=4e-3):
     require_between("start", start, delay[0], delay[-1])
     reach = max(int(round(require_positive("reach", reach) / spacing)), 1)
     start = np.rint((np.asarray(start) - delay[0]) / spacing).astype(int)
-    position = np.broadcast_to(start, envelope.shape[:-2])
-    track = np.empty(envelope.shape[:-1])
+    position = np.broadcast_to(start, envelope.shape[:-2])[..., None]
+    around = np.arange(-reach, reach + 1)
+    track = np.empty(envelope.shape[:-1], dtype=int)
     for k in range(envelope.shape[-2]):
-        row = envelope[..., k, :]
-        window = np.clip(position[..., None] + np.arange(-reach, reach + 1), 1, delay.size - 2)
-        best = np.argmax(np.take_along_axis(row, window, axis=-1), axis=-1)
-        position = np.take_along_axis(window, best[..., None], axis=-1)[..., 0]
-        track[..., k] = delay[position] + spacing * parabola_offset(row, position)
-    return track
+        window = np.clip(position + around, 1, delay.size - 2)
+        best = np.argmax(np.take_along_axis(envelope[..., k, :], window, axis=-1), axis=-1, keepdims=True)
+        position = np.take_along_axis(window, best, axis=-1)
+        track[..., k] = position[..., 0]
+    return delay[track] + spacing * parabola_offset(envelope, track)
 
 
 def range_ratio(delay, reference=1):

@@ -10,11 +10,14 @@ from hypothesis import strategies as st
 
 from labsim.course import (
     Passage,
+    all_courses,
     bearing_and_range,
+    bearing_and_ratio,
     bearings_only_course,
     centred_course,
     correlated_error_course,
     course_bound,
+    first_bearing_slope,
     free_bearings_only_course,
     mean_bearing_rate,
     observe,
@@ -34,14 +37,9 @@ RATIO_ESTIMATORS = (paper_course, centred_course, correlated_error_course)
 BEARING_ESTIMATORS = (bearings_only_course, free_bearings_only_course)
 
 
-def truth(passage):
-    bearing, distance = bearing_and_range(passage.track, passage.time)
-    return bearing, distance / distance[0]
-
-
 def monte_carlo(passage, trials, seed):
     rng = np.random.default_rng(seed)
-    return observe(rng, *truth(passage), passage.bearing_std, passage.ratio_std, trials)
+    return observe(rng, *bearing_and_ratio(passage), passage.bearing_std, passage.ratio_std, trials)
 
 
 def rmse_deg(course, passage):
@@ -89,7 +87,9 @@ def test_rmse_of_bearings_only_at_20_minutes(trials, estimator, expected, tolera
 
 
 def test_the_correlated_error_estimator_is_within_15_per_cent_of_the_bound(trials):
-    bound = np.degrees(course_bound(*truth(UNIFORM), np.pi, UNIFORM.bearing_std, UNIFORM.ratio_std)[-1])
+    bound = np.degrees(
+        course_bound(*bearing_and_ratio(UNIFORM), np.pi, UNIFORM.bearing_std, UNIFORM.ratio_std)[-1]
+    )
     assert bound == pytest.approx(0.410, abs=0.002)
     course = correlated_error_course(*trials, UNIFORM.bearing_std, UNIFORM.ratio_std, running=False)
     standard_error = 1 / np.sqrt(2 * 400)
@@ -105,12 +105,14 @@ def test_convergence_to_5_degrees_takes_3_and_a_half_and_13_minutes(trials):
 
 
 def test_nine_tenths_of_the_papers_variance_is_the_first_bearing(trials):
-    later, first = paper_course_std(*truth(UNIFORM), np.pi, UNIFORM.bearing_std, UNIFORM.ratio_std)
+    later, first = paper_course_std(
+        *bearing_and_ratio(UNIFORM), np.pi, UNIFORM.bearing_std, UNIFORM.ratio_std
+    )
     assert first[-1] ** 2 / (first[-1] ** 2 + later[-1] ** 2) == pytest.approx(0.87, abs=0.01)
     course = paper_course(*trials, UNIFORM.bearing_std, UNIFORM.ratio_std, running=False)
     assert np.degrees(np.hypot(first, later)[-1]) == pytest.approx(rmse_deg(course, UNIFORM)[0], rel=0.11)
     slope = np.polyfit(trials[0][:, 0], angle_difference(course[:, 0], np.pi), 1)[0]
-    assert abs(slope) * UNIFORM.bearing_std == pytest.approx(first[-1], rel=0.15)
+    assert slope == pytest.approx(first_bearing_slope(*bearing_and_ratio(UNIFORM), np.pi)[-1], rel=0.15)
 
 
 def test_the_papers_estimator_is_unbiased_where_plain_least_squares_is_not(trials):
@@ -136,7 +138,7 @@ def test_a_shared_error_of_the_first_delay_ruins_the_paper_estimator_and_not_the
 
 
 def test_acceleration_ruins_bearings_only_and_leaves_the_ratio_estimators_alone():
-    bearing, ratio = truth(ACCELERATING)
+    bearing, ratio = bearing_and_ratio(ACCELERATING)
     for estimator in BEARING_ESTIMATORS:
         wrong = np.degrees(angle_difference(estimator(ACCELERATING.time, bearing)[-1], np.pi))
         assert 20 < wrong < 35
@@ -162,7 +164,7 @@ def test_without_noise_every_estimator_is_exact_in_every_quadrant(
         SHORT, initial_bearing=initial_bearing, course=course, initial_range=initial_range, speed=speed
     )
     try:
-        bearing, ratio = truth(passage)
+        bearing, ratio = bearing_and_ratio(passage)
     except ValueError:
         return
     for estimator in RATIO_ESTIMATORS:
@@ -210,6 +212,15 @@ def test_the_running_estimate_equals_the_estimate_from_the_first_observations(tr
             assert np.allclose(estimator(UNIFORM.time, bearing)[:, count - 1], until, atol=1e-6)
 
 
+def test_the_five_estimates_by_name_are_those_of_the_five_functions():
+    (bearing,), (ratio,) = monte_carlo(SHORT, 1, 8)
+    estimates = all_courses(SHORT.time, bearing, ratio, 0.01, 0.05)
+    for name, estimator in zip(("paper", "centred", "correlated"), RATIO_ESTIMATORS, strict=True):
+        assert np.array_equal(estimates[name], estimator(bearing, ratio, 0.01, 0.05), equal_nan=True)
+    for name, estimator in zip(("anchored", "free"), BEARING_ESTIMATORS, strict=True):
+        assert np.array_equal(estimates[name], estimator(SHORT.time, bearing), equal_nan=True)
+
+
 def test_the_closed_form_agrees_with_a_general_eigenvalue_solver():
     (bearing,), (ratio,) = monte_carlo(SHORT, 1, 5)
     fast = paper_course(bearing, ratio, SHORT.bearing_std, SHORT.ratio_std)
@@ -219,7 +230,7 @@ def test_the_closed_form_agrees_with_a_general_eigenvalue_solver():
 
 def test_the_bound_agrees_with_a_numerical_fisher_matrix():
     """All unknowns kept: course, first bearing, and the distance run at each of 59 later times."""
-    bearing, ratio = truth(SHORT)
+    bearing, ratio = bearing_and_ratio(SHORT)
     run = np.hypot(ratio * np.cos(bearing) - np.cos(bearing[0]), ratio * np.sin(bearing) - np.sin(bearing[0]))
 
     def observations(unknown):
@@ -235,7 +246,7 @@ def test_the_bound_agrees_with_a_numerical_fisher_matrix():
 
 
 def test_the_bound_for_uniform_motion_agrees_with_a_numerical_fisher_matrix():
-    bearing, ratio = truth(SHORT)
+    bearing, ratio = bearing_and_ratio(SHORT)
 
     def observations(unknown):
         first, speed, course = unknown
@@ -282,14 +293,14 @@ def test_both_rules_choose_the_same_course_when_the_bearing_changes():
         if course_deg in (60, 240):
             continue
         passage = dataclasses.replace(SHORT, course=np.radians(course_deg))
-        bearing, ratio = truth(passage)
+        bearing, ratio = bearing_and_ratio(passage)
         for axis in (np.full(60, passage.course), np.full(60, passage.course + np.pi)):
             for chosen in (resolve_course(axis, bearing, ratio), resolve_course_by_bearing(axis, bearing)):
                 assert np.max(np.abs(angle_difference(chosen[2:], passage.course))) < 1e-9
 
 
 def test_mean_bearing_rate_is_the_swept_angle_over_the_time():
-    bearing, _ = truth(UNIFORM)
+    bearing, _ = bearing_and_ratio(UNIFORM)
     swept = (bearing[-1] - bearing[0]) / UNIFORM.time[-1]
     assert mean_bearing_rate(bearing, UNIFORM.frame) == pytest.approx(swept)
     assert np.degrees(swept) * 60 == pytest.approx(1.8, abs=0.1)

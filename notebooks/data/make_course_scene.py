@@ -61,6 +61,8 @@ def main():
     frequency = HorizontalArray().frequency
     arrays = {"look": LOOK, "frequency": frequency[in_band(frequency)]}
     for name, passage in PASSAGES.items():
+        rows = passage.time[: passage.time.size - AVERAGE + 1 : KEEP]
+        arrays["time"] = rows + (AVERAGE - 1) / 2 * passage.frame
         arrays |= {f"{name}_{part}": value for part, value in compact(*hear(passage)).items()}
     np.savez_compressed(FILE, **arrays)
 

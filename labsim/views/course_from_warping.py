@@ -1,0 +1,429 @@
+"""The pictures of chapter 06: modes, stripes, warped pulses, and the course that they give."""
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+
+from labsim.views import style
+
+NAMES = {
+    "paper": "the paper's estimator",
+    "centred": "centred",
+    "correlated": "correlated errors",
+    "free": "bearings only, free",
+    "anchored": "bearings only, anchored",
+}
+STYLES = dict(zip(NAMES, (style.LINES[k] for k in (0, 2, 4, 1, 3)), strict=True))
+
+
+class ModesView:
+    """Mode shapes, level against range, and level against frequency.
+
+    Draws a dict with `depth` (z,), `shapes` (n, z) at `frequency` Hz, `water_depth`; `distance` (r,) m and
+    `level_db` (r,); `band` (f,) Hz and `spectrum_db` (f,) at `here`, m; `beat` m, of modes 1 and 2, or None.
+    """
+
+    SHOWN = 12
+
+    def __init__(self):
+        self.figure = style.figure(9, 4.6)
+        grid = self.figure.add_gridspec(2, 2, width_ratios=(2, 3))
+        self.sea = self.figure.add_subplot(grid[:, 0])
+        self.ahead, self.across = self.figure.add_subplot(grid[0, 1]), self.figure.add_subplot(grid[1, 1])
+        self.lines = [self.sea.plot([], [], "-", color=style.BLUE)[0] for _ in range(self.SHOWN)]
+        (self.bottom,) = self.sea.plot([], [], "--", color=style.ORANGE, label="sea bed")
+        self.sea.set(xlabel="mode number", ylabel="depth (m)", xlim=(0.4, 12.8), ylim=(120, 0))
+        self.sea.set_xticks(range(1, 13))
+        self.sea.legend(loc="lower left")
+        self.title = self.sea.set_title("Modes")
+        (self.level,) = self.ahead.plot([], [], "-", color=style.BLUE, linewidth=1.2)
+        (self.place,) = self.ahead.plot([], [], ":", color=style.BLACK)
+        self.ahead.set(xlabel="range (km)", ylabel="level (dB re 1 m)", xlim=(1, 15), ylim=(-115, -45))
+        self.ahead.set_title("At one frequency the level swings with range")
+        (self.spectrum,) = self.across.plot([], [], "-", color=style.GREEN, linewidth=1.2)
+        (self.tone,) = self.across.plot([], [], ":", color=style.BLACK)
+        self.across.set(
+            xlabel="frequency (Hz)", ylabel="level (dB re 1 m)", xlim=(100, 500), ylim=(-115, -45)
+        )
+        self.across.set_title("At one range it swings with frequency")
+        moving = (self.level, self.place, self.spectrum, self.tone, self.bottom, self.title)
+        style.animate(*self.lines, *moving)
+
+    def draw(self, result):
+        """Draw one sea; return the sentence."""
+        shapes = result["shapes"]
+        count = len(shapes)
+        for number, line in enumerate(self.lines):
+            shown = number < count
+            shape = shapes[number] / np.max(np.abs(shapes)) * 0.45 if shown else []
+            line.set_data(number + 1 + shape if shown else [], result["depth"] if shown else [])
+        self.bottom.set_data([0.4, 12.8], [result["water_depth"]] * 2)
+        self.level.set_data(result["distance"] / 1e3, result["level_db"])
+        self.place.set_data([result["here"] / 1e3] * 2, [-115, -45])
+        self.spectrum.set_data(result["band"], result["spectrum_db"])
+        self.tone.set_data([result["frequency"]] * 2, [-115, -45])
+        self.title.set_text(f"{count} trapped mode{'s' if count > 1 else ''} at {result['frequency']:.0f} Hz")
+        beat = (
+            f"modes 1 and 2 beat every {result['beat']:.0f} m" if result["beat"] else "alone it cannot beat"
+        )
+        return (
+            f"At {result['frequency']:.0f} Hz this sea traps {count} mode{'s' if count > 1 else ''}; {beat}."
+        )
+
+
+class StripesView:
+    """A spectrogram of a passing vessel with lines f = f_0 M^beta over it.
+
+    Draws a dict with `time` (k,) s, `frequency` (f,) Hz, `level_db` (k, f), `lines` (n, k) Hz, `beta`,
+    `contrast`.
+    """
+
+    COLOURS = ScalarMappable(Normalize(-15, 9), style.FIELD_MAP)
+
+    def __init__(self):
+        self.figure = style.figure(9, 4.4)
+        self.axes = self.figure.subplots()
+        self.image = self.axes.imshow(
+            self.COLOURS.to_rgba(np.zeros((2, 2)), bytes=True), origin="lower", aspect="auto",
+            interpolation="nearest", extent=(100, 500, 0, 20),
+        )  # fmt: skip
+        (self.lines,) = self.axes.plot([], [], "--", color="white", linewidth=1.4)
+        self.axes.set(xlabel="frequency (Hz)", ylabel="time (min)", xlim=(100, 500), ylim=(0, 20))
+        self.axes.grid(False)
+        self.figure.colorbar(self.COLOURS, ax=self.axes, label="level (dB re mean)", pad=0.01)
+        self.title = self.axes.set_title("Stripes")
+        style.animate(self.image, self.lines, self.title)
+
+    def draw(self, result):
+        """Draw the spectrogram and the lines; return the sentence."""
+        time = np.append(result["time"] / 60, np.nan)
+        lines = np.pad(result["lines"], ((0, 0), (0, 1)), constant_values=np.nan)
+        self.image.set_data(self.COLOURS.to_rgba(result["level_db"], bytes=True))
+        self.lines.set_data(lines.ravel(), np.tile(time, len(lines)))
+        kept = 100 * result["contrast"]
+        self.title.set_text(
+            f"Along beta = {result['beta']:.2f} the stripes keep {kept:.0f} % of their contrast"
+        )
+        return (
+            f"Read along lines of beta = {result['beta']:.2f}, the stripes keep "
+            f"{kept:.0f} % of their contrast."
+        )
+
+
+class WarpView:
+    """A power spectrum, its warped form, and the pulses at the start and now.
+
+    Draws a dict with `frequency` (f,), `spectrum` (f,); `warped_frequency` (n,), `warped` (n,); `delay` (d,)
+    s, `first` and `now` (d,); `marks` (p, 2) expected delays (first, now), s; `first_delay`, `now_delay` s of
+    the followed pulse; `minute`, `beta`, `ratio`, `true_ratio`, `pair`.
+    """
+
+    PAIRS = ("2-3", "3-4", "2-4", "1-4")
+
+    def __init__(self):
+        self.figure = style.figure(9, 5.2)
+        grid = self.figure.add_gridspec(2, 2, height_ratios=(2, 3))
+        self.before, self.after = self.figure.add_subplot(grid[0, 0]), self.figure.add_subplot(grid[0, 1])
+        self.pulses = self.figure.add_subplot(grid[1, :])
+        (self.raw,) = self.before.plot([], [], "-", color=style.BLUE, linewidth=1.2)
+        self.before.set(xlabel="frequency (Hz)", ylabel="power / mean", xlim=(200, 400), ylim=(0, 5))
+        self.before.set_title("The spectrum chirps ...")
+        (self.straight,) = self.after.plot([], [], "-", color=style.GREEN, linewidth=1.2)
+        self.after.set(xlabel="warped frequency (Hz)", ylabel="power / mean", xlim=(200, 400), ylim=(0, 5))
+        self.after.set_title("... warped, it is a sum of tones")
+        (self.first,) = self.pulses.plot([], [], "--", color=style.GREY, linewidth=1.4, label="at the start")
+        (self.now,) = self.pulses.plot([], [], "-", color=style.BLUE, label="now")
+        (self.marks,) = self.pulses.plot([], [], ":", color=style.BLACK, label="expected now")
+        (self.peaks,) = self.pulses.plot([], [], "o", color=style.ORANGE, label="the followed pulse")
+        self.labels = [self.pulses.text(0, 1.04, pair, ha="center", fontsize=9) for pair in self.PAIRS]
+        self.pulses.set(xlabel="delay (ms)", ylabel="pulse height / highest", xlim=(20, 200), ylim=(0, 1.15))
+        self.pulses.legend(loc="upper right")
+        self.title = self.pulses.set_title("Pulses")
+        moving = (self.raw, self.straight, self.first, self.now, self.marks, self.peaks, self.title)
+        style.animate(*moving, *self.labels)
+
+    def draw(self, result):
+        """Draw one moment; return the sentence."""
+        self.raw.set_data(result["frequency"], result["spectrum"] / np.mean(result["spectrum"]))
+        self.straight.set_data(result["warped_frequency"], result["warped"] / np.mean(result["warped"]))
+        first, now = result["first"] / result["first"].max(), result["now"] / result["now"].max()
+        delay = 1e3 * result["delay"]
+        self.first.set_data(delay, first)
+        self.now.set_data(delay, now)
+        marks = 1e3 * np.array(result["marks"])[:, 1]
+        self.marks.set_data(np.repeat(marks, 3), np.tile([0, 1.03, np.nan], marks.size))
+        for label, mark in zip(self.labels, marks, strict=True):
+            label.set_x(mark)
+        followed = 1e3 * np.array([result["first_delay"], result["now_delay"]])
+        self.peaks.set_data(
+            followed, [np.interp(followed[0], delay, first), np.interp(followed[1], delay, now)]
+        )
+        pair, ratio, true = result["pair"], result["ratio"], result["true_ratio"]
+        self.title.set_text(f"Pulse {pair}: ratio of delays {ratio:.3f}, of ranges {true:.3f}")
+        return (
+            f"With beta = {result['beta']:.2f} assumed, pulse {pair} stands at {followed[1]:.0f} ms after "
+            f"{result['minute']:.1f} min; its ratio {ratio:.3f} is {100 * abs(ratio / true - 1):.1f} % from "
+            "that of the ranges."
+        )
+
+
+class PassagesView:
+    """Dong et al. 2020, figures 3, 5 and 6: where the vessels sail, and how fast.
+
+    Draws a dict with `time` (k,) s and, for each name in `vessels`, (`position` (k, 2) m, `speed` (k,) m/s).
+    """
+
+    def __init__(self):
+        self.figure = style.figure(9, 3.9)
+        self.map, self.curve = self.figure.subplots(1, 2, width_ratios=(3, 2))
+        self.map.plot(0, 0, "^", color=style.BLACK, markersize=10, label="array")
+        self.map.set(xlabel="x (km)", ylabel="y (km)", xlim=(-6, 7), ylim=(-0.8, 10.5), aspect="equal")
+        self.map.set_title("Figures 3 and 5: the same course ...")
+        self.curve.set(xlabel="time (min)", ylabel="speed (m/s)", xlim=(0, 20), ylim=(0, 12))
+        self.curve.set_title("Figure 6: ... at two speeds")
+
+    def draw(self, result):
+        """Draw both vessels; return the sentence."""
+        parts, look = [], (("-", style.BLUE, 4.5, 0.55), ("--", style.ORANGE, 1.8, 1.0))
+        for (name, (position, speed)), (line, colour, width, alpha) in zip(
+            result["vessels"].items(), look, strict=True
+        ):
+            x, y = position.T / 1e3
+            drawn = {"color": colour, "linestyle": line, "linewidth": width, "alpha": alpha, "label": name}
+            self.map.plot(x, y, **drawn)
+            self.map.plot(x[-1], y[-1], "o", color=colour)
+            self.map.plot([0, x[-1]], [0, y[-1]], color=colour, linestyle=":", linewidth=1)
+            self.curve.plot(result["time"] / 60, speed, **drawn)
+            parts.append(f"the {name} one ends at {np.degrees(np.arctan2(y[-1], x[-1])):.0f}°")
+        self.map.plot([0, x[0]], [0, y[0]], color=style.GREY, linestyle=":", linewidth=1)
+        self.map.legend(loc="lower left")
+        self.curve.legend(loc="upper left")
+        return f"Both vessels start at 60° and 10 km with the same course; {' and '.join(parts)}."
+
+
+class SceneView:
+    """Dong et al. 2020, figures 4 and 7: bearing record, warped delays, range ratio, and course against time.
+
+    Draws a dict with `time` (k,) s; `record_db` (b, beams) and `look_deg`; `bearing_deg`, `true_bearing_deg`;
+    `delay` (d,) s, `envelope` (k, d), `track` (k,) s; `ratio`, `true_ratio`; `courses_deg` by estimator (k,),
+    `true_course_deg`; `ratio_error`; `pair`; `motion`, "uniform" or "accelerating".
+    """
+
+    def __init__(self, look_deg, delay):
+        self.figure = style.figure(9.2, 6.4)
+        (self.beams, self.warped), (self.ratios, self.courses) = self.figure.subplots(2, 2)
+        self.record = self.beams.imshow(
+            np.zeros((2, 2)), origin="lower", aspect="auto", vmin=-6, vmax=0, interpolation="nearest",
+            extent=(look_deg[0], look_deg[-1], 0, 20),
+        )  # fmt: skip
+        self.beams.set(xlabel="bearing (°)", ylabel="time (min)", ylim=(0, 20))
+        self.field = self.warped.imshow(
+            np.zeros((2, 2)), origin="lower", aspect="auto", vmin=-14, vmax=0, interpolation="nearest",
+            extent=(1e3 * delay[0], 1e3 * delay[-1], 0, 20),
+        )  # fmt: skip
+        (self.follow,) = self.warped.plot([], [], "--", color="white", linewidth=1.6)
+        self.warped.set(xlabel="delay (ms)", ylabel="time (min)", xlim=(15, 175), ylim=(0, 20))
+        for axes, image in ((self.beams, self.record), (self.warped, self.field)):
+            axes.grid(False)
+            ticks = [-6, -4, -2, 0] if axes is self.beams else [-12, -8, -4, 0]
+            self.figure.colorbar(image, ax=axes, label="level (dB re peak)", pad=0.01, ticks=ticks)
+        (self.true,) = self.ratios.plot([], [], "--", color=style.ORANGE, label="true")
+        (self.measured,) = self.ratios.plot([], [], "-", color=style.BLUE, label="measured", linewidth=1.2)
+        self.ratios.set(xlabel="time (min)", ylabel="range ratio", xlim=(0, 20), ylim=(0.8, 1.05))
+        self.ratios.legend(loc="upper center")
+        band = {"color": style.GREY, "alpha": 0.25, "label": "true ± 5°"}
+        self.courses.fill_between([0, 20], 175, 185, **band)
+        self.lines = {}
+        for name in ("paper", "centred", "free", "anchored"):
+            colour, line, _ = STYLES[name]
+            (self.lines[name],) = self.courses.plot([], [], color=colour, linestyle=line, label=NAMES[name])
+        self.courses.set(xlabel="time (min)", ylabel="course (°)", xlim=(0, 20), ylim=(140, 260))
+        self.courses.legend(loc="upper right", fontsize=8)
+        axes = (self.beams, self.warped, self.ratios, self.courses)
+        self.titles = [panel.set_title(" ") for panel in axes]
+        self.drawn = None
+        style.animate(self.follow, self.true, self.measured, *self.lines.values(), *self.titles)
+
+    def draw(self, result):
+        """Draw one scene; return the sentence."""
+        time = result["time"] / 60
+        if self.drawn != result["motion"]:
+            self.record.set_data(result["record_db"])
+            level = result["envelope"] / result["envelope"].max(axis=1, keepdims=True)
+            self.field.set_data(20 * np.log10(np.maximum(level, 0.05)))
+            self.drawn = result["motion"]
+        self.follow.set_data(1e3 * result["track"], time)
+        self.true.set_data(time, result["true_ratio"])
+        self.measured.set_data(time, result["ratio"])
+        final = {}
+        for name, line in self.lines.items():
+            course = result["courses_deg"][name] % 360
+            line.set_data(time, np.where(np.abs(course - 200) < 70, course, np.nan))
+            final[name] = (course[-1] - result["true_course_deg"] + 180) % 360 - 180
+        swept = result["bearing_deg"][-1] - result["bearing_deg"][0]
+        number = {"uniform": 4, "accelerating": 7}[result["motion"]]
+        titles = (
+            f"Figure {number}a: the bearing turns by {swept:.0f}°",
+            f"{number}b: pulse {result['pair']} moves with range",
+            f"{number}c: range ratio, {100 * result['ratio_error']:.1f} % off on average",
+            f"{number}d: at 20 min {final['paper']:+.1f}°; bearings only {final['anchored']:+.1f}°",
+        )
+        for artist, text in zip(self.titles, titles, strict=True):
+            artist.set_text(text.replace("-", "\N{MINUS SIGN}") if "20 min" in text else text)
+        return (
+            f"The {result['motion']} vessel: range ratio from pulse {result['pair']} "
+            f"{100 * result['ratio_error']:.1f} % off on average; course errors at 20 min: "
+            f"the paper's estimator {final['paper']:+.1f}°, centred {final['centred']:+.1f}°, "
+            f"bearings only {final['anchored']:+.1f}°."
+        )
+
+
+class ErrorsView:
+    """RMSE of the course against time for the estimators, with the Cramer-Rao bound.
+
+    Draws a dict with `time` (k,) s, `rmse_deg` by estimator (k,), `bound_deg` (k,), `trials`, `frames`.
+    """
+
+    def __init__(self):
+        self.figure = style.figure(9, 4.4)
+        self.axes = self.figure.subplots()
+        self.lines = {}
+        for name, (colour, line, _) in STYLES.items():
+            (self.lines[name],) = self.axes.plot([], [], color=colour, linestyle=line, label=NAMES[name])
+        (self.bound,) = self.axes.plot([], [], "-", color=style.GREY, linewidth=4, alpha=0.5, label="bound")
+        self.axes.set(xlabel="time (min)", ylabel="RMSE of the course (°)", xlim=(0, 20), ylim=(0.05, 120))
+        self.axes.set_yscale("log")
+        ticks = (0.1, 0.3, 1, 3, 10, 30, 100)
+        self.axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+        self.axes.legend(loc="upper right", ncols=2)
+        self.title = self.axes.set_title("Errors")
+        style.animate(*self.lines.values(), self.bound, self.title)
+
+    def draw(self, result):
+        """Draw the curves; return the sentence."""
+        time = result["time"] / 60
+        for name, line in self.lines.items():
+            line.set_data(time[::4], result["rmse_deg"][name][::4])
+        self.bound.set_data(time[::4], result["bound_deg"][::4])
+        last = {name: curve[-1] for name, curve in result["rmse_deg"].items()}
+        best = min(last, key=last.get)
+        self.title.set_text(f"After 20 min: {NAMES[best]} is best of the five here, {last[best]:.2g}°")
+        return (
+            f"RMSE at 20 min over {result['trials']} trials: the paper's estimator {last['paper']:.2g}°, "
+            f"centred {last['centred']:.2g}°, correlated errors {last['correlated']:.2g}°, bearings only "
+            f"{last['free']:.2g}° and {last['anchored']:.2g}°; bound {result['bound_deg'][-1]:.2g}°."
+        )
+
+
+class SweepView:
+    """Dong et al. 2020, figures 8-13: RMSE at 20 minutes and mean bearing rate against one property.
+
+    Draws a dict from a label with unit to (values (n,), rmse_deg by estimator (n,), rate (n,) deg/min).
+    """
+
+    def __init__(self):
+        self.figure = style.figure(9.4, 5.8)
+        self.rows = self.figure.subplots(2, 3, sharex="col")
+
+    def draw(self, result):
+        """Draw all six panels; return the sentence."""
+        figures = (("Fig. 8", "Fig. 9"), ("Fig. 10", "Fig. 11"), ("Fig. 12", "Fig. 13"))
+        for column, (label, (values, rmse, rate)) in enumerate(result.items()):
+            top, low = self.rows[:, column]
+            for name, curve in rmse.items():
+                colour, line, marker = STYLES[name]
+                top.semilogy(values, curve, color=colour, linestyle=line, marker=marker, markersize=3.5)
+                top.lines[-1].set_label(NAMES[name])
+            top.set_ylim(0.04, 250)
+            top.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
+            low.plot(values, rate, "-", color=style.BLACK, marker="o", markersize=3)
+            low.set(xlabel=label, ylim=(0, None))
+            top.set_title(f"{figures[column][0]}: error")
+            low.set_title(f"{figures[column][1]}: bearing rate")
+        self.rows[0, 0].set_ylabel("RMSE at 20 min (°)")
+        self.rows[1, 0].set_ylabel("mean bearing rate (°/min)")
+        handles, names = self.rows[0, 0].get_legend_handles_labels()
+        self.figure.legend(handles, names, loc="outside lower center", ncols=5)
+        values, rmse, _ = next(iter(result.values()))
+        best = values[np.argsort(rmse["paper"])[:2]]
+        return (
+            f"Against course the paper's estimator is best near {min(best):.0f} and {max(best):.0f} degrees; "
+            "against range and speed its error follows the bearing rate."
+        )
+
+
+class FirstBearingView:
+    """Each trial's course error against the error of its first bearing.
+
+    Draws a dict with `first_deg` (n,), `paper_deg` and `centred_deg` (n,) errors, `slope` predicted,
+    `course_deg`, `share` of the paper's variance that is due to the first bearing.
+    """
+
+    def __init__(self):
+        self.figure = style.figure(9, 4.2)
+        self.panels = self.figure.subplots(1, 2, sharex=True, sharey=True)
+        self.points = []
+        for axes, name, text in zip(
+            self.panels, ("paper", "centred"), (" ", "Centred: no such line"), strict=True
+        ):
+            colour, _, marker = STYLES[name]
+            (points,) = axes.plot([], [], marker, color=colour, markersize=4, linestyle="none", alpha=0.6)
+            self.points.append(points)
+            axes.set(xlabel="error of the first bearing (°)", xlim=(-1.7, 1.7), ylim=(-4.2, 4.2))
+            axes.set_title(text)
+        self.panels[0].set_ylabel("error of the course at 20 min (°)")
+        (self.line,) = self.panels[0].plot([], [], "--", color=style.ORANGE, label="predicted")
+        self.panels[0].legend(loc="upper left")
+        self.title = self.panels[0].set_title("The paper's estimator")
+        style.animate(*self.points, self.line, self.title)
+
+    def draw(self, result):
+        """Draw all trials; return the sentence."""
+        for points, name in zip(self.points, ("paper_deg", "centred_deg"), strict=True):
+            points.set_data(result["first_deg"], result[name])
+        edge = np.array([-1.7, 1.7])
+        self.line.set_data(edge, result["slope"] * edge)
+        spread = {name: np.sqrt(np.mean(result[f"{name}_deg"] ** 2)) for name in ("paper", "centred")}
+        share = 100 * result["share"]
+        self.title.set_text(f"Paper: {share:.0f} % of the variance is one bearing")
+        return (
+            f"Course {result['course_deg']:.0f}°: the first bearing brings {share:.0f} % of the variance of "
+            f"the paper's estimator; RMSE {spread['paper']:.2f}° against {spread['centred']:.2f}° centred."
+        )
+
+
+class RecordedView:
+    """A recorded track, the points that bearing and range ratio draw, and the course over a sliding window.
+
+    track : (n, 2), m, the recorded positions; last : s, their end. Draws a dict with `time` (k,) s,
+    `points` (m, 2) m, `course_deg` and `true_course_deg` (k,), `off_deg` the median error, `window` frames.
+    """
+
+    def __init__(self, track, last):
+        self.figure = style.figure(9, 4.2)
+        self.map, self.curve = self.figure.subplots(1, 2)
+        self.map.plot(*track.T / 1e3, "--", color=style.ORANGE, label="recorded track")
+        (self.points,) = self.map.plot([], [], ".", color=style.BLUE, markersize=4, label="bearing and ratio")
+        low, high = track.min(axis=0) / 1e3 - 0.15, track.max(axis=0) / 1e3 + 0.15
+        self.map.set(xlabel="x (km)", ylabel="y (km)", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        self.map.set_aspect("equal")
+        self.map.legend(loc="lower right")
+        self.map.set_title("Bearing and range ratio draw the track")
+        (self.true,) = self.curve.plot([], [], "--", color=style.ORANGE, label="recorded track")
+        (self.course,) = self.curve.plot([], [], "-", color=style.BLUE, label="estimate")
+        self.curve.set(xlabel="middle of the window (s)", ylabel="course (°)", ylim=(-30, 180))
+        self.curve.set_xlim(0, last)
+        self.curve.legend(loc="upper left")
+        self.title = self.curve.set_title("Course")
+        style.animate(self.points, self.true, self.course, self.title)
+
+    def draw(self, result):
+        """Draw the points and the courses; return the sentence."""
+        self.points.set_data(*result["points"].T / 1e3)
+        self.true.set_data(result["time"], result["true_course_deg"])
+        self.course.set_data(result["time"], result["course_deg"])
+        self.title.set_text(f"A window of {result['window']} frames is {result['off_deg']:.0f}° off (median)")
+        return (
+            f"Windows of {result['window']} frames give the course of the recorded track to "
+            f"{result['off_deg']:.0f}° (median)."
+        )
