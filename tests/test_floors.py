@@ -7,7 +7,7 @@ import pytest
 
 PACKAGE = Path(__file__).parents[1] / "labsim"
 FOUNDATION = {"arguments"}
-GROUND = {"motion", "noise", "metrics", "checks"}
+GROUND = {"motion", "noise", "metrics", "checks", "montecarlo"}
 CHAINS = (
     ("vector_sensor", "surface_motion"),
     ("passive_ranging", "discriminator", "delay_tracking", "operator_display"),
