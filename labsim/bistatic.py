@@ -96,6 +96,12 @@ class Detections:
         seen = self.origin[index] != NOTHING
         return Detections(*(field[index][seen] for field in fields))
 
+    def all_scans(self):
+        """All detections of one run in one row, (n,), and the places (scans - 1,) at which to split it."""
+        seen = self.origin != NOTHING
+        fields = (self.bearing, self.delay, self.doppler, self.snr, self.origin)
+        return Detections(*(field[seen] for field in fields)), np.cumsum(seen.sum(axis=-1))[:-1]
+
 
 def bearing_and_delay(position, receiver, source, sound_speed):
     """Bearing of the target and delay of its echo (Ma et al. 2023, eqs. 1-2).
@@ -318,6 +324,14 @@ def clutter_density(scenario, doppler=False):
     """Expected clutter per scan and unit of measurement space, per (rad s) or per (rad s Hz)."""
     volume = np.radians(np.ptp(scenario.bearing_region_deg)) * np.ptp(scenario.delay_region)
     return scenario.clutter_rate / (volume * np.ptp(scenario.doppler_region) if doppler else volume)
+
+
+def region_area(scenario, bearings=2_000):
+    """Area of the map that the bearing and delay regions cover, m^2."""
+    low, high = np.radians(scenario.bearing_region_deg)
+    bearing = low + (high - low) * (np.arange(bearings) + 0.5) / bearings
+    near, far = (ellipse_range(bearing, delay, *scenario.geometry) for delay in scenario.delay_region)
+    return float(np.mean(far**2 - near**2) / 2 * (high - low))
 
 
 def native_measurements(scenario, scan, doppler=True):

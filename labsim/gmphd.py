@@ -38,6 +38,7 @@ class PhdModel:
     most: int = 100
     report_above: float = 0.5
     confirm_after: int = 2
+    coast_misses: int = 2
     apart: float = 200.0
 
     def __post_init__(self):
@@ -45,7 +46,9 @@ class PhdModel:
             require_between(name, getattr(self, name), 0, 1)
         for name in ("period", "birth_spread", "birth_speed", "gate", "most", "confirm_after"):
             require_positive(name, getattr(self, name))
-        for name in ("acceleration", "birth_weight", "prune_below", "merge_within", "report_above", "apart"):
+        for name in ("acceleration", "birth_weight", "prune_below", "merge_within", "report_above"):
+            require_between(name, getattr(self, name), 0, np.inf)
+        for name in ("apart", "coast_misses"):
             require_between(name, getattr(self, name), 0, np.inf)
         require_finite("birth_sites", self.birth_sites)
 
@@ -164,8 +167,7 @@ def empty_mixture():
 def predict(mixture, model):
     """Move every component one period on: w P_S, F m, F P F' + G Q G'."""
     motion = model.transition
-    flat = mixture.covariance.reshape(-1, STATE * STATE) @ np.kron(motion, motion).T
-    covariance = flat.reshape(-1, STATE, STATE) + model.process
+    covariance = motion @ mixture.covariance @ motion.T + model.process
     return Mixture(model.survival * mixture.weight, mixture.mean @ motion.T, covariance, mixture.label)
 
 
@@ -266,12 +268,15 @@ def merge(mixture, within):
     heads, cluster = _clusters(_squared_distances(ordered) <= within)
     if heads.size == len(ordered):
         return ordered
-    weight = np.bincount(cluster, ordered.weight, heads.size)
-    fraction = ordered.weight / weight[cluster]
-    mean = _sum_by(cluster, fraction[:, None] * ordered.mean)
-    offset = ordered.mean - mean[cluster]
-    spread = ordered.covariance + offset[:, :, None] * offset[:, None, :]
-    covariance = _sum_by(cluster, fraction[:, None, None] * spread)
+    order = np.argsort(cluster, kind="stable")
+    member, cluster = ordered.take(order), cluster[order]
+    first = np.searchsorted(cluster, np.arange(heads.size))
+    weight = np.add.reduceat(member.weight, first)
+    fraction = member.weight / weight[cluster]
+    mean = np.add.reduceat(fraction[:, None] * member.mean, first)
+    offset = member.mean - mean[cluster]
+    spread = member.covariance + offset[:, :, None] * offset[:, None, :]
+    covariance = np.add.reduceat(fraction[:, None, None] * spread, first)
     return Mixture(weight, mean, covariance, ordered.label[heads])
 
 
@@ -297,19 +302,22 @@ def coast(mixture, model, states, labels, times_reported):
     """Add to a report the known targets that were only missed.
 
     One missed detection multiplies a weight by about P_S (1 - P_D), a tenth, and the plain report drops the
-    target. A label reported in `confirm_after` scans or more is still reported until two misses have halved
-    what is left, weight > (P_S (1 - P_D))^2 / 2, unless within `apart` of another report.
+    target. A label reported in `confirm_after` scans or more is still reported through `coast_misses` misses,
+    while its weight exceeds (P_S (1 - P_D))^coast_misses / 2, unless within `apart` of another report.
     times_reported : dict, scans in which each label was reported; states, labels : from `extract`
     Returns (states, labels) with the remembered targets appended.
     """
-    least = 0.5 * (model.survival * (1 - model.detection)) ** 2
-    known = [label for label, times in times_reported.items() if times >= model.confirm_after]
-    waiting = np.isin(mixture.label, known) & ~np.isin(mixture.label, labels) & (mixture.weight > least)
-    for index in np.flatnonzero(waiting)[np.argsort(-mixture.weight[waiting], kind="stable")]:
+    least = 0.5 * (model.survival * (1 - model.detection)) ** model.coast_misses
+    reported = set(labels.tolist())
+    for index in np.argsort(-mixture.weight, kind="stable")[: np.count_nonzero(mixture.weight > least)]:
+        label = int(mixture.label[index])
+        if label in reported or times_reported.get(label, 0) < model.confirm_after:
+            continue
         gap = np.linalg.norm(states[:, 0::2] - mixture.mean[index, 0::2], axis=1)
-        if mixture.label[index] not in labels and np.all(gap > model.apart):
+        if np.all(gap > model.apart):
             states = np.vstack([states, mixture.mean[index]])
-            labels = np.append(labels, mixture.label[index])
+            labels = np.append(labels, label)
+            reported.add(label)
     return states, labels
 
 
@@ -427,9 +435,3 @@ def _clusters(near):
         if head[index] < 0:
             head[near[index] & (head < 0)] = index
     return np.unique(head, return_inverse=True)
-
-
-def _sum_by(cluster, values):
-    order = np.argsort(cluster, kind="stable")
-    starts = np.flatnonzero(np.diff(cluster[order], prepend=-1))
-    return np.add.reduceat(values[order], starts, axis=0)

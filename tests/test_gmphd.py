@@ -213,6 +213,13 @@ def test_one_miss_makes_the_plain_filter_forget_and_coasting_remembers_two():
     assert plain.weight_sum[4] == pytest.approx(expected, rel=0.01)
 
 
+@pytest.mark.parametrize("misses", [0, 1, 2])
+def test_coasting_lasts_as_many_misses_as_the_model_says(misses):
+    model = replace(MODEL, coast_misses=misses)
+    run = gm.run_filter(steady_scans([1] * 4 + [0] * 5), gm.observe_position, model)
+    assert [len(r) for r in run.reported] == [1] * (4 + misses) + [0] * (5 - misses)
+
+
 def test_a_target_seen_once_is_not_remembered():
     run = gm.run_filter(steady_scans([1, 0, 0]), gm.observe_position, MODEL)
     assert [len(r) for r in run.reported] == [1, 0, 0]

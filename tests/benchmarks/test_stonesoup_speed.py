@@ -29,7 +29,7 @@ MODEL = gm.PhdModel()
 SCENE = bs.BistaticScenario()
 START = datetime.datetime(2023, 2, 1)
 AT_ONCE = datetime.timedelta(0)
-CLUTTER = SCENE.clutter_rate / 146.7e6
+CLUTTER = SCENE.clutter_rate / bs.region_area(SCENE)
 
 
 class Motion(LinearGaussianTimeInvariantTransitionModel):
