@@ -32,8 +32,8 @@ def run(study, trials, seed, batch=100, workers=None, progress=False, patience=6
     patience : s, how long to wait for the next of the batches that run elsewhere
 
     When a worker process is lost, its batches run again. Nothing is dropped: RuntimeError when workers were
-    lost three times, TimeoutError when no batch came for as long as `patience` (joblib does not hear of it when
-    a Dask cluster gives a batch up), and any error of the study itself, all name the batches that are missing.
+    lost three times, TimeoutError when no batch came for as long as `patience` (joblib does not hear of it
+    when a Dask cluster gives a batch up), and any error of the study all name the batches that are missing.
     Raises ValueError for counts that are not whole and positive, and for results of the wrong length.
     """
     from multiprocessing import TimeoutError as Waited  # joblib's way to say it
