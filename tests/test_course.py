@@ -228,6 +228,30 @@ def test_the_closed_form_agrees_with_a_general_eigenvalue_solver():
     assert np.max(np.abs(angle_difference(fast[1:], slow[1:]))) < 1e-9
 
 
+def test_the_correlated_error_estimator_equals_generalised_least_squares_with_a_dense_covariance():
+    """60 observations; the covariance of the residuals inverted as a matrix, at the previous estimate."""
+    (bearing,), (ratio,) = monte_carlo(SHORT, 1, 9)
+    sigma, spread = 0.05, 0.05
+    c, s, m = np.cos(bearing[1:]), np.sin(bearing[1:]), ratio[1:]
+    first = np.array([np.sin(bearing[0]), np.cos(bearing[0])])
+    a = np.stack([np.cos(bearing[0]) - m * c, m * s - np.sin(bearing[0])], axis=-1)
+    along, across = np.stack([-c, s], axis=-1), np.stack([s, c], axis=-1) * m[:, None]
+    own = np.array(
+        [spread**2 * np.outer(u, u) + sigma**2 * np.outer(v, v) for u, v in zip(along, across, strict=True)]
+    )
+    axis = paper_course(bearing, ratio, sigma, spread, running=False)[0]
+    for _ in range(2):
+        gamma = np.array([np.sin(axis), np.cos(axis)])
+        variance = np.mean(own @ gamma @ gamma)
+        covariance = variance * np.eye(m.size) + sigma**2 * (first @ gamma) ** 2
+        inverse = np.linalg.inv(covariance)
+        noise = np.einsum("kk,kij->ij", inverse, own) + np.sum(inverse) * sigma**2 * np.outer(first, first)
+        vector = scipy.linalg.eigh(a.T @ inverse @ a, noise)[1][:, 0]
+        axis = np.arctan2(vector[0], vector[1])
+    estimate = correlated_error_course(bearing, ratio, sigma, spread, running=False)[0]
+    assert abs(np.sin(estimate - axis)) < 1e-9
+
+
 def test_the_bound_agrees_with_a_numerical_fisher_matrix():
     """All unknowns kept: course, first bearing, and the distance run at each of 59 later times."""
     bearing, ratio = bearing_and_ratio(SHORT)

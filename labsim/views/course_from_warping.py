@@ -213,7 +213,7 @@ class SceneView:
         self.figure = style.figure(9.2, 6.4)
         (self.beams, self.warped), (self.ratios, self.courses) = self.figure.subplots(2, 2)
         self.record = self.beams.imshow(
-            np.zeros((2, 2)), origin="lower", aspect="auto", vmin=-6, vmax=0, interpolation="nearest",
+            np.zeros((2, 2)), origin="lower", aspect="auto", vmin=-2, vmax=0, interpolation="nearest",
             extent=(look_deg[0], look_deg[-1], 0, 20),
         )  # fmt: skip
         self.beams.set(xlabel="bearing (°)", ylabel="time (min)", ylim=(0, 20))
@@ -225,7 +225,7 @@ class SceneView:
         self.warped.set(xlabel="delay (ms)", ylabel="time (min)", xlim=(15, 175), ylim=(0, 20))
         for axes, image in ((self.beams, self.record), (self.warped, self.field)):
             axes.grid(False)
-            ticks = [-6, -4, -2, 0] if axes is self.beams else [-12, -8, -4, 0]
+            ticks = [-2, -1, 0] if axes is self.beams else [-12, -8, -4, 0]
             self.figure.colorbar(image, ax=axes, label="level (dB re peak)", pad=0.01, ticks=ticks)
         (self.true,) = self.ratios.plot([], [], "--", color=style.ORANGE, label="true")
         (self.measured,) = self.ratios.plot([], [], "-", color=style.BLUE, label="measured", linewidth=1.2)
@@ -266,10 +266,10 @@ class SceneView:
             f"Figure {number}a: the bearing turns by {swept:.0f}°",
             f"{number}b: pulse {result['pair']} moves with range",
             f"{number}c: range ratio, {100 * result['ratio_error']:.1f} % off on average",
-            f"{number}d: at 20 min {final['paper']:+.1f}°; bearings only {final['anchored']:+.1f}°",
+            f"{number}d: in the end {final['paper']:+.1f}°, bearings only {final['anchored']:+.1f}°",
         )
         for artist, text in zip(self.titles, titles, strict=True):
-            artist.set_text(text.replace("-", "\N{MINUS SIGN}") if "20 min" in text else text)
+            artist.set_text(text.replace("-", "\N{MINUS SIGN}") if "in the end" in text else text)
         return (
             f"The {result['motion']} vessel: range ratio from pulse {result['pair']} "
             f"{100 * result['ratio_error']:.1f} % off on average; course errors at 20 min: "
@@ -327,7 +327,11 @@ class SweepView:
 
     def draw(self, result):
         """Draw all six panels; return the sentence."""
-        figures = (("Fig. 8", "Fig. 9"), ("Fig. 10", "Fig. 11"), ("Fig. 12", "Fig. 13"))
+        titles = (
+            ("Fig. 8: across beats along", "Fig. 9: some courses turn faster"),
+            ("Fig. 10: nearer is easier", "Fig. 11: far vessels turn slowly"),
+            ("Fig. 12: faster is easier", "Fig. 13: fast vessels turn fast"),
+        )
         for column, (label, (values, rmse, rate)) in enumerate(result.items()):
             top, low = self.rows[:, column]
             for name, curve in rmse.items():
@@ -338,8 +342,8 @@ class SweepView:
             top.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
             low.plot(values, rate, "-", color=style.BLACK, marker="o", markersize=3)
             low.set(xlabel=label, ylim=(0, None))
-            top.set_title(f"{figures[column][0]}: error")
-            low.set_title(f"{figures[column][1]}: bearing rate")
+            top.set_title(titles[column][0])
+            low.set_title(titles[column][1])
         self.rows[0, 0].set_ylabel("RMSE at 20 min (°)")
         self.rows[1, 0].set_ylabel("mean bearing rate (°/min)")
         handles, names = self.rows[0, 0].get_legend_handles_labels()
