@@ -143,7 +143,7 @@ class StepView:
         ]
         (self.measured,) = self.map.plot([], [], "+", color=style.GREEN, markersize=12, label="detection")
         self.map.plot(0, 0, "*", color=style.BLACK, markersize=11, label="true place")
-        self.map.set(xlim=(-0.8, 0.8), ylim=(-0.8, 0.8), aspect="equal")
+        self.map.set(xlim=(-0.5, 0.5), ylim=(-0.5, 0.5), aspect="equal")
         self.map.set(xlabel="x from the true place (km)", ylabel="y from the true place (km)")
         self.map.legend(loc="upper right", fontsize=8)
         (self.weights,) = self.stems.plot([], [], "o", color=style.BLUE, markersize=4, label="component")
