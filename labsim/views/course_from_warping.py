@@ -307,7 +307,7 @@ class ErrorsView:
         self.bound.set_data(time[::4], result["bound_deg"][::4])
         last = {name: curve[-1] for name, curve in result["rmse_deg"].items()}
         best = min(last, key=last.get)
-        self.title.set_text(f"After 20 min: {NAMES[best]} is best of the five here, {last[best]:.2g}°")
+        self.title.set_text(f"Least error after 20 min: {NAMES[best]}, {last[best]:.2g}°")
         return (
             f"RMSE at 20 min over {result['trials']} trials: the paper's estimator {last['paper']:.2g}°, "
             f"centred {last['centred']:.2g}°, correlated errors {last['correlated']:.2g}°, bearings only "
@@ -389,7 +389,7 @@ class FirstBearingView:
         self.line.set_data(edge, result["slope"] * edge)
         spread = {name: np.sqrt(np.mean(result[f"{name}_deg"] ** 2)) for name in ("paper", "centred")}
         share = 100 * result["share"]
-        self.title.set_text(f"Paper: {share:.0f} % of the variance is one bearing")
+        self.title.set_text(f"The paper's: {share:.0f} % of the variance is one bearing")
         return (
             f"Course {result['course_deg']:.0f}°: the first bearing brings {share:.0f} % of the variance of "
             f"the paper's estimator; RMSE {spread['paper']:.2f}° against {spread['centred']:.2f}° centred."

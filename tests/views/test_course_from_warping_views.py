@@ -88,7 +88,7 @@ def test_errors_are_told_at_the_last_minute():
     assert (
         "over 12 trials: the paper's estimator 0.3°, centred 1.3°" in sentence and "bound 0.25°" in sentence
     )
-    assert "the paper's estimator is best" in view.title.get_text()
+    assert "Least error after 20 min: the paper's estimator" in view.title.get_text()
 
 
 def test_passages_and_sweeps_read_their_results():
