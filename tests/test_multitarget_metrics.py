@@ -14,10 +14,12 @@ points = st.integers(0, 4).flatmap(lambda n: arrays(float, (n, 2), elements=st.f
 
 
 def best_total(small, large, cutoff, order):
-    """Least sum of cut-off distances to the power of the order, over all ways to pair every point of `small`."""
+    """Least sum of cut-off distances to the power of the order, over all pairings of `small` with `large`."""
     return min(
         (
-            sum(min(np.linalg.norm(a - large[i]), cutoff) ** order for a, i in zip(small, chosen, strict=True))
+            sum(
+                min(np.linalg.norm(a - large[i]), cutoff) ** order for a, i in zip(small, chosen, strict=True)
+            )
             for chosen in permutations(range(len(large)), len(small))
         ),
         default=0.0,
