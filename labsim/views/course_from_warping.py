@@ -81,7 +81,7 @@ class StripesView:
     COLOURS = ScalarMappable(Normalize(-15, 9), style.FIELD_MAP)
 
     def __init__(self):
-        self.figure = style.figure(9, 4.4)
+        self.figure = style.figure(8.4, 4.0)
         self.axes = self.figure.subplots()
         self.image = self.axes.imshow(
             self.COLOURS.to_rgba(np.zeros((2, 2)), bytes=True), origin="lower", aspect="auto",
