@@ -298,7 +298,9 @@ class BasebandObserver:
         return height * sine + scale * np.sqrt(spread) * self.noise[0, k]
 
     def in_phase(self, k, delay):
-        """As `WaveformObserver.in_phase`."""
+        """As `WaveformObserver.in_phase`; raises ValueError without a second row of noise."""
+        if len(self.noise) < 2:
+            raise ValueError("noise must have 2 rows for the in-phase reading, but 1 was given")
         pair, signal = self.pair, self._signal_power(k)
         cosine = np.cos(pair.angular_frequency * (self.delay[k] - delay))
         spread = pair.noise_power * (pair.noise_power + 2 * signal) + 2 * (signal * cosine) ** 2

@@ -21,6 +21,7 @@ from labsim.discriminator import Correlogram, Pair, correlogram, hydrophone_nois
 
 ROOM = 1.2e-3
 BIN = 1.0
+FEWEST = 10
 
 
 @dataclass(frozen=True)
@@ -153,12 +154,12 @@ def read_range(time, curvature, keep):
     """A straight line through the kept curvatures, read at the record's middle.
 
     time, curvature : (bins,), s and 1/m, NaN where there is none; keep : (bins,), bool
-    Returns a Reading; its range is infinite where the line is at 0, NaN below.
-    Raises ValueError if fewer than ten seconds are left.
+    Returns a Reading; its range is infinite where the line is at 0, NaN below. With fewer than FEWEST
+    seconds left, line and range are NaN.
     """
     keep = require_shape("keep", keep, (np.size(time),)).astype(bool) & np.isfinite(curvature)
-    if np.count_nonzero(keep) < 10:
-        raise ValueError(f"at least 10 seconds must be kept, but {np.count_nonzero(keep)} are left")
+    if np.count_nonzero(keep) < FEWEST:
+        return Reading(curvature, keep, np.full(np.shape(time), np.nan), np.nan)
     middle = (time[0] + time[-1]) / 2
     slope, value = np.polyfit(time[keep] - middle, curvature[keep], 1)
     target_range = np.nan if value < 0 else np.inf if value == 0 else 1 / value

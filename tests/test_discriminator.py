@@ -190,6 +190,13 @@ def test_in_phase_noise_of_the_baseband_observer_is_that_of_waveforms():
     assert np.var(averages) == pytest.approx(expected, rel=0.08)
 
 
+def test_the_in_phase_reading_needs_noise_of_its_own():
+    observer = BasebandObserver(PAIR, np.zeros(5), np.zeros((1, 5, 3)))
+    assert np.all(observer.error_signal(0, np.zeros(3)) == 0)
+    with pytest.raises(ValueError, match="noise must have 2 rows"):
+        observer.in_phase(0, np.zeros(3))
+
+
 def test_a_silent_false_source_changes_nothing():
     noise = np.random.default_rng(63).standard_normal((2, 5, 8))
     delay, at = np.full(5, 20e-6), np.zeros(8)

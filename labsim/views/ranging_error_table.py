@@ -1,0 +1,266 @@
+"""Pictures of chapter 04: the bend of a wave, the ranging-error table, its causes, averages, a beam."""
+
+import numpy as np
+
+from labsim.views import style
+
+AXES = ("along the line (η)", "broadside (ζ)", "up (ξ)")
+FULL_SCALE = 40.0
+
+
+def percent(error):
+    """A relative error in words: signed per cent, "infinite" or "behind"."""
+    if np.isnan(error):
+        return "behind"
+    if np.isinf(error):
+        return "infinite"
+    return f"{round(100 * error, 1) + 0.0:+.1f} %" if abs(error) < 1 else f"{100 * error:+.0f} %"
+
+
+class WavefrontView:
+    """The wave across the array, to scale and with the bend magnified.
+
+    Draws a dict with `target_range`, m; `bearing`, rad; `spacing`, m; `displacement`, m, of H2 towards the
+    target; `along` (n,) and `bend` (n,), m; `outer_bend`, m, at H1 and H3; `estimate`, m.
+    """
+
+    def __init__(self):
+        self.figure = style.figure(9, 3.9)
+        self.plan, self.close = self.figure.subplots(1, 2)
+        (self.front,) = self.plan.plot([], [], color=style.BLUE, linestyle="-", label="wave")
+        (self.places,) = self.plan.plot([], [], "o", color=style.BLACK, label="hydrophones")
+        (self.towards,) = self.plan.plot([], [], color=style.ORANGE, linestyle="--", label="to the target")
+        self.plan.set(xlim=(-85, 85), ylim=(-60, 60), aspect="equal")
+        self.plan.set(xlabel="along the line (m)", ylabel="broadside (m)")
+        self.plan.set_title("To scale, the wave is straight")
+        self.plan.legend(loc="lower right")
+        (self.wave,) = self.close.plot([], [], color=style.BLUE, linestyle="-", label="the wave's bend")
+        (self.read,) = self.close.plot(
+            [], [], color=style.ORANGE, linestyle="--", label="bend the array believes in"
+        )
+        (self.dots,) = self.close.plot([], [], "o", color=style.BLACK, label="where the hydrophones are")
+        self.close.set(xlim=(-85, 85), ylim=(-14, 70))
+        self.close.set(xlabel="along the line (m)", ylabel="behind the front (cm)")
+        self.title = self.close.set_title("")
+        self.close.legend(loc="upper center", ncols=1)
+        style.animate(self.front, self.places, self.towards, self.wave, self.read, self.dots, self.title)
+
+    def draw(self, result):
+        """Draw the wave of a target and where the hydrophones sit on it."""
+        bearing, spacing = result["bearing"], result["spacing"]
+        towards = np.array([np.sin(bearing), np.cos(bearing)])
+        across = np.array([np.cos(bearing), -np.sin(bearing)])
+        reach = np.linspace(-80, 80, 81)
+        sag = reach**2 / (2 * result["target_range"])
+        self.front.set_data(*(np.outer(across, reach) + np.outer(towards, sag)))
+        self.places.set_data([-spacing, 0, spacing], [0, 0, 0])
+        self.towards.set_data(*np.outer(towards, [0, 50]))
+        shift, outer = 100 * result["displacement"], 100 * result["outer_bend"]
+        believed = (outer + shift) * (result["along"] / spacing) ** 2 - shift
+        self.wave.set_data(result["along"], 100 * result["bend"])
+        self.read.set_data(result["along"], believed)
+        self.dots.set_data([-spacing, 0, spacing], [outer, -shift, outer])
+        error = percent(result["estimate"] / result["target_range"] - 1)
+        self.title.set_text(f"Magnified: {outer:.1f} cm of bend")
+        return (
+            f"The wave of a target at {result['target_range'] / 1000:.1f} km bends by {outer:.1f} cm over "
+            f"an arm of {spacing:.0f} m; with the middle hydrophone {shift:+.1f} cm out of place the range "
+            f"error is: {error}."
+        )
+
+
+class ErrorTableView:
+    """Table 1, live: the range error for four ranges, three axes and three bearings.
+
+    Draws a dict with `table`, an ErrorTable of one displacement; `ranges`, m; `bearings`, rad;
+    `displacement` and `spacing`, m.
+    """
+
+    def __init__(self, result):
+        self.figure = style.figure(9, 4.1)
+        axes = self.axes = self.figure.subplots()
+        shape = len(result["ranges"]), 3 * len(result["bearings"])
+        self.image = axes.imshow(np.zeros(shape), cmap="cividis", vmin=0, vmax=FULL_SCALE, aspect="auto")
+        self.cells = [
+            axes.text(column, row, "", ha="center", va="center", fontsize=10)
+            for row, column in np.ndindex(shape)
+        ]
+        bearings_deg = np.degrees(result["bearings"])
+        axes.set_xticks(range(shape[1]), [f"{bearing:.0f}°" for bearing in bearings_deg] * 3)
+        axes.set_yticks(range(shape[0]), [f"{r / 1000:.0f}" for r in result["ranges"]])
+        axes.set(xlabel="bearing of the target, and axis of the displacement", ylabel="range (km)")
+        axes.grid(False)
+        for group, name in enumerate(AXES):
+            axes.text(3 * group + 1, -0.62, name, ha="center", va="bottom", fontsize=10)
+        edges = [axes.axvline(edge, color="white", linewidth=4) for edge in (2.5, 5.5)]
+        axes.set_title("What an ignored displacement costs, in % of the range (to first order)", pad=24)
+        bar = self.figure.colorbar(self.image, ax=axes, extend="max", fraction=0.03, pad=0.02)
+        bar.set_label("size of the error (%)")
+        style.animate(self.image, *self.cells, *edges)
+
+    def draw(self, result):
+        """Fill the table."""
+        exact, first = (
+            100 * errors[:, 0].reshape(len(result["ranges"]), -1)
+            for errors in (result["table"].exact, result["table"].first_order)
+        )
+        size = np.nan_to_num(np.abs(exact), nan=FULL_SCALE, posinf=FULL_SCALE)
+        self.image.set_data(size)
+        for cell, value, guess, shade in zip(self.cells, exact.flat, first.flat, size.flat, strict=True):
+            cell.set_text(f"{self._number(value)}\n({guess + 0.0:.1f})")
+            cell.set_color("black" if shade > 0.55 * FULL_SCALE else "white")
+        row, column = np.unravel_index(
+            np.argmax(np.where(np.isnan(exact), np.inf, np.abs(exact))), exact.shape
+        )
+        bearing = np.degrees(result["bearings"])[column % 3]
+        worst = percent(exact[row, column] / 100)
+        return (
+            f"With {100 * result['displacement']:+.1f} cm ignored and arms of {result['spacing']:.0f} m, the "
+            f"worst cell is {result['ranges'][row] / 1000:.0f} km, {bearing:.0f}°, displaced "
+            f"{AXES[column // 3]}: {worst}."
+        )
+
+    @staticmethod
+    def _number(value):
+        if np.isnan(value):
+            return "behind"
+        return "∞" if np.isinf(value) else f"{value:.2f}" if abs(value) < 10 else f"{value:.1f}"
+
+
+class BudgetView:
+    """The range error against range, and what each cause alone does at one range.
+
+    Draws a dict with `ranges` (n,), m; `exact`, `first_order`, `jitter` (n,), relative; `target_range`, m;
+    `error`, relative; `causes`, a dict from name to relative error, always the same names.
+    """
+
+    def __init__(self, result):
+        self.figure = style.figure(9, 3.9)
+        self.curve, self.bars = self.figure.subplots(1, 2, width_ratios=(3, 2))
+        kilometres = result["ranges"] / 1000
+        (self.exact,) = self.curve.plot(
+            kilometres, 0 * kilometres, color=style.BLUE, linestyle="-", label="exact"
+        )
+        (self.first,) = self.curve.plot(
+            kilometres, 0 * kilometres, color=style.ORANGE, linestyle="--", label="to first order"
+        )
+        (self.upper,) = self.curve.plot(
+            kilometres,
+            0 * kilometres,
+            color=style.GREEN,
+            linestyle=":",
+            label="one standard deviation of jitter",
+        )
+        (self.lower,) = self.curve.plot(kilometres, 0 * kilometres, color=style.GREEN, linestyle=":")
+        (self.dot,) = self.curve.plot([], [], "o", color=style.BLACK, markersize=8, label="this target")
+        self.curve.set(xlim=(0, kilometres[-1]), ylim=(-40, 40))
+        self.curve.set(xlabel="range (km)", ylabel="range error (%)")
+        self.curve.set_title("Errors grow with range")
+        self.curve.legend(loc="upper left")
+        names = list(result["causes"])
+        self.patches = self.bars.barh(names, np.zeros(len(names)), color=style.BLUE, height=0.6)
+        self.bars.set(xlim=(-30, 30), xlabel="range error from this alone (%)")
+        self.bars.axvline(0, color=style.BLACK, linewidth=1)
+        self.bars.invert_yaxis()
+        self.bars.set_title("One cause at a time")
+        style.animate(self.exact, self.first, self.upper, self.lower, self.dot, *self.patches)
+
+    def draw(self, result):
+        """Draw the curves and the bars."""
+        exact = 100 * np.where(np.isinf(result["exact"]), np.nan, result["exact"])
+        self.exact.set_ydata(exact)
+        self.first.set_ydata(100 * result["first_order"])
+        self.upper.set_ydata(exact + 100 * result["jitter"] * (1 + exact / 100))
+        self.lower.set_ydata(exact - 100 * result["jitter"] * (1 + exact / 100))
+        self.dot.set_data([result["target_range"] / 1000], [100 * result["error"]])
+        for patch, error in zip(self.patches, result["causes"].values(), strict=True):
+            patch.set_width(100 * np.nan_to_num(error, nan=10, posinf=10))
+        worst = max(
+            result["causes"], key=lambda name: np.nan_to_num(np.abs(result["causes"][name]), nan=np.inf)
+        )
+        return (
+            f"At {result['target_range'] / 1000:.1f} km the range error is {percent(result['error'])}; "
+            f"the largest single cause is {worst} ({percent(result['causes'][worst])})."
+        )
+
+
+class AveragingView:
+    """Averages of many noisy readings: of range, and of curvature.
+
+    Draws a dict with `of_range`, `of_curvature` (trials,), relative to the true range; `noise`, relative;
+    `samples`, in each average; `edges` (bins + 1,), of the histogram.
+    """
+
+    def __init__(self, result):
+        self.figure = style.figure(9, 3.6)
+        axes = self.axes = self.figure.subplots()
+        edges = result["edges"]
+        flat = np.zeros(edges.size - 1)
+        self.curvature = axes.stairs(flat, edges, color=style.BLUE, linewidth=2, label="1 / (average of 1/R)")
+        self.range = axes.stairs(
+            flat, edges, color=style.ORANGE, linestyle="--", linewidth=2, label="average of R"
+        )
+        axes.axvline(1, color=style.BLACK, linewidth=1, label="truth")
+        axes.set(xlim=(edges[0], edges[-1]), ylim=(0, 1.08))
+        axes.set(xlabel="averaged range / true range", ylabel="how often (peak = 1)")
+        axes.legend(loc="upper right")
+        self.title = axes.set_title("")
+        style.animate(self.curvature, self.range, self.title)
+
+    def draw(self, result):
+        """Draw both histograms."""
+        for patch, values in ((self.curvature, result["of_curvature"]), (self.range, result["of_range"])):
+            counts, _ = np.histogram(values, result["edges"])
+            patch.set_data(counts / max(counts.max(), 1))
+        bias, right = (round(np.nanmedian(result[n]) - 1, 3) + 0.0 for n in ("of_range", "of_curvature"))
+        wild = np.mean(np.abs(result["of_range"] - 1) > 0.5)
+        self.title.set_text(
+            f"Averaging range reads {100 * bias:+.1f} %, averaging curvature {100 * right:+.1f} %"
+        )
+        return (
+            f"With {100 * result['noise']:.0f} % noise on each curvature and {result['samples']} readings "
+            f"averaged, the median average of range is {100 * bias:+.1f} % off and that of curvature "
+            f"{100 * right:+.1f} %; {100 * wild:.1f} % of the averages of range miss by more than half."
+        )
+
+
+class VerticalBeamView:
+    """What a vertical line hydrophone hears from above and below.
+
+    Draws a dict with `elevation_deg` (n,); `pattern` (n,), power; `arrivals_deg` (3,): direct, surface,
+    bottom; `levels` (3,), power; `bearing_pull_deg`; `range_error`, relative; `width_deg`, peak to null.
+    """
+
+    NAMES = ("direct", "from the surface", "from the bottom")
+
+    def __init__(self, result):
+        self.figure = style.figure(9, 3.6)
+        axes = self.axes = self.figure.subplots()
+        (self.pattern,) = axes.plot(
+            result["elevation_deg"], 0 * result["elevation_deg"], color=style.BLUE, linestyle="-"
+        )
+        self.arrivals = [
+            axes.plot([], [], marker, color=colour, markersize=10, label=name)[0]
+            for marker, colour, name in zip(
+                "osD", (style.BLACK, style.ORANGE, style.GREEN), self.NAMES, strict=True
+            )
+        ]
+        axes.set(xlim=(-30, 50), ylim=(-40, 2))
+        axes.set(xlabel="elevation (°)", ylabel="response (dB)")
+        axes.legend(loc="upper right")
+        self.title = axes.set_title("")
+        style.animate(self.pattern, *self.arrivals, self.title)
+
+    def draw(self, result):
+        """Draw the pattern and the arrivals on it."""
+        with np.errstate(divide="ignore"):
+            self.pattern.set_ydata(10 * np.log10(np.maximum(result["pattern"], 1e-5)))
+            levels = 10 * np.log10(np.maximum(result["levels"], 1e-5))
+        for artist, angle, level in zip(self.arrivals, result["arrivals_deg"], levels, strict=True):
+            artist.set_data([angle], [max(level, -40)])
+        self.title.set_text(f"The first null is {result['width_deg']:.1f}° from the peak")
+        return (
+            f"The reflections arrive {levels[0] - levels[1]:.0f} dB (surface) and "
+            f"{levels[0] - levels[2]:.0f} dB (bottom) below the direct sound; together they pull the bearing "
+            f"by {result['bearing_pull_deg']:+.2f}° and the range by {percent(result['range_error'])}."
+        )
