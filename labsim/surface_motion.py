@@ -1,8 +1,8 @@
 """Position and velocity of a surface vessel from the directions one vector sensor hears.
 
 A direction and a known depth name one point of the surface: the chain direction, position, velocity of
-Wu & Hu, "Motion analysis of a surface target based on a single vector hydrophone", Technical Acoustics
-29(4), 2010. An error of angle is stretched by the square of the range on its way to a position, and by
+Wu & Hu, "Analysis of surface target motion based on a single vector sensor", Technical Acoustics 29(4),
+2010. An error of angle is stretched by the square of the range on its way to a position, and by
 1/T on its way to a difference velocity. So positions are fitted first: along a line, as the paper
 prints it, or linearly in time, which is what uniform motion means.
 """
@@ -156,6 +156,7 @@ def motion_fit(position, time, precision=None, span=None, centred=False):
     time : (n,) or (..., n), the time each position belongs to, s (see emission_time)
     precision : (..., n, 2, 2), 1/m^2, the weights (see weighted_motion_fit); all alike if None
     span : number of windows in each fit, the latest or, if `centred`, those on both sides; all so far if None
+        (an even span is centred at the start of its window)
     Returns a Motion: position and velocity at each window. NaN where fewer than two positions are known, or
     where the span reaches over an end of the record.
     Raises ValueError for shapes that do not match or a span outside 2..n.
@@ -177,14 +178,14 @@ def weighted_motion_fit(position, time, depth, angle_error, span=None, centred=F
     """motion_fit with each position weighted by what it is worth (position_precision).
 
     The worth depends on the range. Taken at the noisy position itself it would favour errors towards the
-    sensor and bend the fit; so it is taken at the track of a first, unweighted fit.
+    sensor and bend the fit; so it is taken at the track of a first, unweighted fit, which is carried on in a
+    straight line where the span leaves the record.
 
     position : (..., n, 2), m; time : (n,) or (..., n), s; depth : m
     angle_error : scalar or (n,) or (..., n), standard deviation of direction, radians (only ratios matter)
     span, centred : as in motion_fit. Returns a Motion; NaN and errors as there.
     """
-    first = motion_fit(position, time, None, span, centred).position
-    track = np.where(np.isfinite(first), first, position)
+    track = _carried_on(motion_fit(position, time, None, span, centred), time)
     return motion_fit(position, time, position_precision(track, depth, angle_error), span, centred)
 
 
@@ -271,6 +272,24 @@ def _growing_moments(position):
         mean = np.where(count >= 2, np.cumsum(offset, axis=-2) / count, np.nan)
         square = np.cumsum(offset[..., :, None] * offset[..., None, :], axis=-3) / count[..., None]
     return mean + centre, square - mean[..., :, None] * mean[..., None, :]
+
+
+def _carried_on(motion, time):
+    """The track of a motion at every window: where unknown, straight on from the nearest known window."""
+    near = _nearest_known(np.isfinite(motion.position).all(axis=-1))
+    time = np.broadcast_to(time, near.shape)
+    away = time - np.take_along_axis(time, near, axis=-1)
+    place = np.take_along_axis(motion.position, near[..., None], axis=-2)
+    return place + away[..., None] * np.take_along_axis(motion.velocity, near[..., None], axis=-2)
+
+
+def _nearest_known(known):
+    """Index (..., n) of the nearest window that is known; 0 where none is."""
+    window = np.arange(known.shape[-1])
+    before = np.maximum.accumulate(np.where(known, window, -np.inf), axis=-1)
+    after = np.flip(np.minimum.accumulate(np.flip(np.where(known, window, np.inf), -1), axis=-1), -1)
+    nearest = np.where(window - before <= after - window, before, after)
+    return np.where(np.isfinite(nearest), nearest, 0).astype(int)
 
 
 def _mean_time(time):

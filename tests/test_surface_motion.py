@@ -86,7 +86,6 @@ def test_maximum_likelihood_meets_its_bound_at_20_s(directions):
     bound = sm.motion_bound(HEARD.position, EMITTED, DEPTH, ERROR)[1][AT_20_S]
     assert bound == pytest.approx(0.138, abs=0.0005)
     assert_within(value, error, bound)
-    assert_within(value, error, 0.133)
 
 
 def test_the_bound_of_all_four_channels_lies_below_that_of_intensity_angles():
@@ -163,6 +162,29 @@ def test_a_sliding_centred_fit_errs_as_the_covariance_of_its_positions_says(poin
     weight = offset / np.sum(offset**2)
     expected = np.sqrt(np.sum(weight**2 * np.trace(spread, axis1=1, axis2=2)))
     assert_within(value[AT_20_S], error[AT_20_S], expected)
+
+
+@pytest.mark.parametrize(("window", "beyond"), [(20, 0.0), (25, 0.0), (95, 0.08), (100, 0.12)])
+def test_a_weighted_span_near_the_ends_errs_as_its_bound_says(points, emitted, window, beyond):
+    # Centred spans of 20 s, the first and last whole ones among them. 1000 trials, seed 12; three standard
+    # errors of about 2 %. Far out the tangent bends what it sees, by the square of the error of angle: the
+    # share `beyond` the bound at 14 dB, a quarter of that at 20 dB.
+    bound = sm.motion_bound(HEARD.position, EMITTED, DEPTH, ERROR, span=40, centred=True)[1][window]
+    fitted = sm.weighted_motion_fit(points, emitted, DEPTH, ERROR, span=40, centred=True).velocity
+    value, error = vector_rmse(fitted)
+    assert abs(value[window] / bound - 1) < beyond + 3 * error[window] / bound
+
+
+def test_a_weighted_span_near_the_ends_is_hardly_biased():
+    # 20 dB, 1000 trials, seed 14: what the tangent leaves at 50 s is below a fifth of the RMSE.
+    loud = replace(PAPER, snr_db=20.0)
+    error = intensity_error(snr(loud, TIME), loud.time_bandwidth)
+    azimuth, elevation = direction_of_arrival(sample_intensity(loud, np.random.default_rng(14), TRIALS))
+    points = sm.position(azimuth, elevation, DEPTH)
+    emitted = sm.emission_time(points, TIME, DEPTH, SOUND_SPEED)
+    miss = sm.weighted_motion_fit(points, emitted, DEPTH, error, span=40, centred=True).velocity - VELOCITY
+    for window in (20, 100):
+        assert np.linalg.norm(miss[:, window].mean(axis=0)) < 0.2 * vector_rmse(miss[:, window], 0.0)[0]
 
 
 # Why the literal fit cannot do better: the step of x stays raw.
@@ -271,6 +293,7 @@ def exact_motion(points, time):
         lambda d: sm.weighted_motion_fit(d, TIME, DEPTH, ERROR).velocity[1:],
         lambda d: sm.motion_fit(d, TIME, span=10).velocity[9:],
         lambda d: sm.motion_fit(d, TIME, span=11, centred=True).velocity[5:-5],
+        lambda d: sm.weighted_motion_fit(d, TIME, DEPTH, ERROR, span=11, centred=True).velocity[5:-5],
     ],
 )
 def test_every_method_is_exact_on_an_exact_straight_track(velocity):
@@ -425,6 +448,29 @@ def test_unknown_windows_are_left_out_of_every_fit(directions):
     assert np.isfinite(whole.position).all()
 
 
+@pytest.mark.parametrize("centred", [False, True])
+def test_unknown_windows_are_left_out_of_a_weighted_span(points, emitted, centred):
+    # Weights taken at the true track do not need the first fit; with it, each record mends its own gaps.
+    some, times = points[:3].copy(), emitted[:3].copy()
+    some[1, [0, 3, 30, 31, 119]], times[1, [0, 3, 30, 31, 119]] = np.nan, np.nan
+    some[2, 20:54], times[2, 20:54] = np.nan, np.nan
+    fitted = sm.weighted_motion_fit(some, times, DEPTH, ERROR, span=20, centred=centred).velocity
+    weights = sm.position_precision(HEARD.position, DEPTH, ERROR)
+    ideal = sm.motion_fit(some, times, weights, span=20, centred=centred).velocity
+    np.testing.assert_array_equal(np.isnan(fitted), np.isnan(ideal))
+    assert np.isfinite(fitted[1]).any() and np.isnan(fitted[2, 42]).all()
+    near = slice(20, 60)
+    assert np.nanmax(np.abs(fitted - ideal)[:, near]) < 0.3 * np.nanmax(np.abs(ideal - VELOCITY)[:, near])
+    alone = sm.weighted_motion_fit(some[1], times[1], DEPTH, ERROR, span=20, centred=centred).velocity
+    np.testing.assert_allclose(fitted[1], alone, rtol=1e-6)
+
+
+def test_a_span_without_a_single_fit_is_unknown():
+    points = np.full((6, 2), np.nan)
+    points[2] = 10.0
+    assert np.isnan(sm.weighted_motion_fit(points, np.arange(6.0), DEPTH, 0.01, span=3).velocity).all()
+
+
 def test_two_positions_are_needed():
     points = PAPER.motion.position(TIME)
     points[:10] = np.nan
@@ -442,6 +488,14 @@ def test_spans_that_leave_the_record_are_nan():
     centred = np.isnan(sm.motion_fit(points, TIME, span=11, centred=True).velocity[:, 0])
     np.testing.assert_array_equal(np.flatnonzero(trailing), np.arange(9))
     np.testing.assert_array_equal(np.flatnonzero(centred), [*range(5), *range(115, 120)])
+
+
+def test_an_even_span_is_centred_at_the_start_of_its_window(points):
+    fitted = sm.motion_fit(points[0], TIME, span=10, centred=True).velocity
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(fitted[:, 0])), [*range(5), *range(116, 120)])
+    used = slice(40 - 5, 40 + 5)
+    assert np.mean(TIME[used]) == pytest.approx(TIME[40] - WINDOW / 2)
+    np.testing.assert_allclose(fitted[40], np.polyfit(TIME[used], points[0, used], 1)[0], rtol=1e-9)
 
 
 def test_the_first_difference_is_not_an_estimate():
