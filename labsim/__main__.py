@@ -142,7 +142,7 @@ def install(python):
 
 def pip_install(python, *what):
     """Install with the environment's pip; returns its exit status."""
-    pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-input"]
+    pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-compile", "--no-input"]
     return subprocess.call(pip + list(what), cwd=ROOT)
 
 
