@@ -47,6 +47,12 @@ def complain_of_the_last(rng, trials):
     return rng.normal(size=trials)
 
 
+def long_when_whole(rng, trials):
+    """Whole batches of ten take longer than what is left over."""
+    time.sleep(0.5 if trials == 10 else 0.0)
+    return rng.random(trials)
+
+
 @pytest.fixture(scope="module")
 def serial():
     return montecarlo.run(study, 70, seed=3, batch=10)
@@ -64,6 +70,11 @@ def assert_same_bits(one, other):
 def test_workers_and_backend_leave_no_trace_in_the_numbers(serial, backend, workers):
     with joblib.parallel_config(backend):
         assert_same_bits(montecarlo.run(study, 70, seed=3, batch=10, workers=workers), serial)
+
+
+def test_batches_that_finish_out_of_turn_are_put_in_order():
+    alone, beside = (montecarlo.run(long_when_whole, 13, 4, batch=10, workers=n) for n in (1, 2))
+    np.testing.assert_array_equal(beside, alone)
 
 
 def test_first_batch_is_the_first_spawned_seed(serial):
