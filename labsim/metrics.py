@@ -7,7 +7,7 @@ from labsim.arguments import require_between, require_finite, require_positive, 
 
 
 def angle_difference(angle, reference):
-    """angle - reference in [-pi, pi), radians; the one function by which angles differ. NaN stays NaN."""
+    """angle - reference from -pi to pi, radians; the one function by which angles differ. NaN stays NaN."""
     return (np.asarray(angle, dtype=float) - reference + np.pi) % (2 * np.pi) - np.pi
 
 

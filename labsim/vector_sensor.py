@@ -42,7 +42,7 @@ class PassingVessel:
     sample_rate : Hz; duration : of the record, s; window : averaging time T, s
     band : of the source and of the noise, Hz
     snr_db : in-band signal-to-noise ratio of the pressure at the closest point of the record, dB
-        (not stated in the paper; 14 dB fits what it says of its figures)
+        (not stated in the paper; about 10 to 18 dB would fit what it says of its figures)
     velocity_noise_ratio : noise power of one velocity channel over that of pressure, Nv / Np
     track : a labsim.motion.Track that replaces start, speed and heading
     """
@@ -145,7 +145,7 @@ def static_source(azimuth, angle_from_vertical, **fields):
 
 
 def one_window(scenario, time, window):
-    """The same vessel and the same noise, heard for a single window centred at `time`.
+    """The same vessel and noise of the same level, heard for a single window centred at `time`.
 
     time : s; window : its length, s. Returns a PassingVessel whose time 0 is the start of the window.
     """
@@ -203,10 +203,11 @@ def snr(scenario, time):
 def record(scenario, rng, interval=None):
     """What the four channels hear: Wu & Hu 2010, eq. 1, with the travel time of the sound.
 
-    p(t) = s(tau) / r(tau) + n_p, v(t) = s(tau) a(tau) / r(tau) + n_v; tau is the time at which the sound
-    heard at t left the vessel, so Doppler and delay are exact. The unit of pressure is the rms signal
-    at the closest approach. The motion of the source is slow: (1 - M)^-2 in amplitude is left out.
-    rng : numpy.random.Generator; interval : (from, to), s, to hear only that part of the record
+    p(t) = s(tau) / r(tau) + n_p, v(t) = s(tau) a(tau) / r(tau) + n_v; tau is the time at
+    which the sound heard at t left the vessel, so Doppler and delay are exact. The unit of
+    pressure is the rms signal at the closest approach. The motion of the source is slow:
+    (1 - M)^-2 in amplitude is left out.
+    rng : numpy.random.Generator; interval : (from, to), s, to hear only that part
     Returns a Recording. Raises ValueError for an interval outside the record.
     """
     first, last = _sample_range(scenario, interval)
@@ -243,9 +244,10 @@ def averaged_intensity(pressure, velocity, samples_per_window):
 def direction_of_arrival(intensity):
     """The direction of an intensity: Wu & Hu 2010, eqs. 3 and 4.
 
-    intensity : (..., 3). Returns azimuth (...) in (-pi, pi] and angle_from_vertical (...) in [0, pi],
-    radians; both are NaN where the intensity is zero or NaN. The paper's arctan is replaced by arctan2,
-    which knows the quadrant, and for the second angle stays right when the vertical component is negative.
+    intensity : (..., 3). Returns azimuth (...) in (-pi, pi] and angle_from_vertical (...)
+    in [0, pi], radians; both are NaN where the intensity is zero or NaN. The paper's arctan
+    is replaced by arctan2, which knows the quadrant, and for the second angle stays right
+    when the vertical component is negative.
     """
     intensity = require_shape("intensity", intensity, (3,))
     x, y, z = np.moveaxis(intensity, -1, 0)
@@ -281,12 +283,14 @@ def bisector_lag(scenario, time, window):
 
 
 def sample_intensity(scenario, rng, trials, blocks=BLOCKS):
-    """Averaged intensities of many records, drawn from their exact law without making waveforms.
+    """Averaged intensities of many records, drawn from their law without making waveforms.
 
-    A block in which the source hardly moves has K = 2 B T real degrees of freedom. With P = S + Np,
-    the mean square pressure is W = P chi2_K / K, and given the pressure the intensity is Gaussian:
-    I = (S/P) W a + sqrt(W/K) (sqrt(Nv) z + sqrt(S Np / P) z0 a)  (the Bartlett decomposition).
-    A window is the mean of `blocks` such blocks, so the motion within it is kept.
+    A block in which the source hardly moves has K = 2 B T real degrees of freedom. With
+    P = S + Np, the mean square pressure is W = P chi2_K / K, and given the pressure the
+    intensity is Gaussian: I = (S/P) W a + sqrt(W/K) (sqrt(Nv) z + sqrt(S Np / P) z0 a)
+    (the Bartlett decomposition). This law is exact for 2 B T independent samples, and very
+    nearly so for band noise when B T is large. A window is the mean of `blocks` such blocks,
+    so the motion within it is kept.
     Returns (trials, windows, 3), in the units of `averaged_intensity`.
     """
     a, signal = _blocks(scenario, blocks)
@@ -302,9 +306,10 @@ def sample_intensity(scenario, rng, trials, blocks=BLOCKS):
 
 
 def sample_covariance(scenario, rng, trials, blocks=BLOCKS):
-    """Sample covariances of (p, vx, vy, vz) in each window, drawn from the exact (Wishart) law.
+    """Sample covariances of (p, vx, vy, vz) in each window, drawn from the Wishart law.
 
-    The law is that of `sample_intensity`, whose intensities are the elements [..., 0, 1:].
+    The law is that of `sample_intensity`, whose intensities are the elements [..., 0, 1:]; exact for
+    2 B T independent samples, very nearly so for band noise when B T is large.
     Returns (trials, windows, 4, 4). Raises ValueError if a block has no more than 3 degrees of freedom.
     """
     a, signal = _blocks(scenario, blocks)
@@ -324,28 +329,23 @@ def sample_covariance(scenario, rng, trials, blocks=BLOCKS):
 
 
 def maximum_likelihood_direction(covariance, velocity_noise_ratio=1.0):
-    """The direction under which a Gaussian record is most likely, source and noise powers being free.
+    """The direction under which a Gaussian record is most likely.
 
-    It maximises a' Rvv a + 2 (Nv/Np) a' Rpv over unit vectors a; averaged intensity keeps the second
-    term alone. The maximum is a = (lambda - Rvv)^-1 b, b = (Nv/Np) Rpv, with lambda the largest root
-    of the secular equation |a| = 1, reached from below by Newton's method on 1/|a|.
+    Source power and noise level are free, the noise ratio Nv/Np is known; an unknown waveform
+    that is not random has the same likeliest direction. It maximises a' Rvv a + 2 (Nv/Np) a' Rpv
+    over unit vectors a; averaged intensity keeps the second term alone. The maximum is
+    a = (lambda - Rvv)^-1 b, b = (Nv/Np) Rpv, with lambda the largest root of the secular
+    equation |a| = 1, reached from below by Newton's method on 1/|a|.
     covariance : (..., 4, 4) of (p, vx, vy, vz); velocity_noise_ratio : Nv/Np
     Returns azimuth (...), angle_from_vertical (...), radians; NaN where Rpv is zero.
     """
     covariance = require_shape("covariance", covariance, (4, 4))
     ratio = require_positive("velocity_noise_ratio", velocity_noise_ratio)
+    level = np.trace(covariance, axis1=-2, axis2=-1)[..., None, None]
+    covariance = covariance / np.where(level > 0, level, 1.0)
     power, axes = np.linalg.eigh(covariance[..., 1:, 1:])
     b = np.einsum("...ij,...i->...j", axes, ratio * covariance[..., 0, 1:])
-    gap = power[..., -1:] - power
-    step = np.maximum(np.abs(b[..., -1:]), 1e-12 * np.linalg.norm(b, axis=-1, keepdims=True))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for _ in range(30):
-            a = b / (step + gap)
-            length2 = np.sum(a**2, axis=-1, keepdims=True)
-            slope = np.sum(a**2 / (step + gap), axis=-1, keepdims=True)
-            step = step + (np.sqrt(length2) - 1) * length2 / slope
-            if not np.any(np.abs(length2 - 1) > 1e-12):
-                break
+    a = _unit_solution(b, power[..., -1:] - power)
     return direction_of_arrival(np.nan_to_num(np.einsum("...ij,...j->...i", axes, a)))
 
 
@@ -376,7 +376,8 @@ def best_window(error_in_one_second, bearing_acceleration):
     """The window with the least mean square error for a moving source, s.
 
     Noise leaves sigma1^2 / T and the bisector lags the middle by beta'' T^2 / 8, so that
-    T^5 = 16 sigma1^2 / beta''^2.
+    T^5 = 16 sigma1^2 / beta''^2. The source's own noise, rate^2 T / 12B, is left out: at a high SNR and
+    a fast turn the best window is shorter still.
     error_in_one_second : sigma1, the error of a window of 1 s, rad
     bearing_acceleration : beta'', rad/s^2, not 0; 8 / T^2 times the `bisector_lag` of a short window T
     """
@@ -456,6 +457,27 @@ def _sample_range(scenario, interval):
         )
     first = round(low * scenario.sample_rate)
     return first, max(round(high * scenario.sample_rate), first + 1)
+
+
+def _unit_solution(b, gap):
+    """The unit vector b / (step + gap) of the secular equation; gap (..., 3) falls to 0 in the last place.
+
+    Without a part of b there, no step may make the vector long enough; the rest then lies in that place.
+    """
+    step = np.maximum(np.abs(b[..., -1:]), 1e-12 * np.linalg.norm(b, axis=-1, keepdims=True))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        rest = b[..., :-1] / (step + gap[..., :-1])
+        missing = 1 - np.sum(rest**2, axis=-1, keepdims=True)
+        short = np.sum((b / (step + gap)) ** 2, axis=-1, keepdims=True) < 1
+        upright = np.sqrt(np.maximum(missing, 0)) * np.where(b[..., -1:] < 0, -1, 1)
+        for _ in range(30):
+            a = b / (step + gap)
+            length2 = np.sum(a**2, axis=-1, keepdims=True)
+            slope = np.sum(a**2 / (step + gap), axis=-1, keepdims=True)
+            step = step + np.where(short, 0, (np.sqrt(length2) - 1) * length2 / slope)
+            if not np.any(np.abs(length2 - 1)[~short] > 1e-12):
+                break
+    return np.where(short, np.concatenate([rest, upright], axis=-1), a)
 
 
 def _source_signal(scenario, rng, emitted):

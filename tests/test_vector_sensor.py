@@ -223,6 +223,30 @@ def test_intensity_is_the_likeliest_direction_when_pressure_is_free_of_noise():
     np.testing.assert_allclose(likeliest, direction_of_arrival(covariance[:, 0, 1:]), atol=1e-6)
 
 
+@pytest.mark.parametrize("scale", [1e-200, 1.0, 1e200])
+@pytest.mark.parametrize("cross", [(0.3, 0.0, 0.0), (0.3, 0.4, 0.0), (0.0, 0.2, 1e-15), (0.3, 0.4, -1e-14)])
+def test_maximum_likelihood_of_an_intensity_across_the_long_axis(cross, scale):
+    """The long axis of the velocities is z and the intensity lies across it: the likeliest direction leans
+    towards z, up or down alike, as lambda = the largest eigenvalue says; a fine grid finds nothing better."""
+    covariance = np.diag([2.0, 0.5, 1.0, 3.0])
+    covariance[0, 1:] = covariance[1:, 0] = cross
+    azimuth, angle = maximum_likelihood_direction(scale * covariance)
+    across = np.array(cross[:2]) / [2.5, 2.0]
+    assert np.sin(angle) == pytest.approx(np.linalg.norm(across), abs=1e-6)
+    assert azimuth == pytest.approx(np.arctan2(across[1], across[0]), abs=1e-6)
+    assert np.cos(angle) < 0 if cross[2] < 0 else np.cos(angle) > 0
+
+
+def test_maximum_likelihood_takes_ordinary_and_hard_cases_in_one_batch():
+    hard = np.diag([2.0, 0.5, 1.0, 3.0])
+    hard[0, 1] = hard[1, 0] = 0.3
+    batch = np.stack([random_covariance(3), hard, np.zeros((4, 4))])
+    azimuth, angle = maximum_likelihood_direction(batch)
+    for k in (0, 1):
+        assert (azimuth[k], angle[k]) == pytest.approx(maximum_likelihood_direction(batch[k]))
+    assert np.isnan(azimuth[2])
+
+
 # --- errors against theory and bound ---
 
 
@@ -414,6 +438,64 @@ def test_the_recording_has_the_power_of_signal_and_noise():
     noise = 1 / power_ratio(3)
     assert np.mean(heard.pressure**2) == pytest.approx(1 + noise, rel=0.09)
     assert np.mean(np.sum(heard.velocity**2, axis=-1)) == pytest.approx(1 + 3 * noise, rel=0.09)
+
+
+def test_the_recording_fades_with_distance_as_one_over_r():
+    """Seed 47, 40 dB: mean squares over 2 s, 2 B T = 2400 values, 2.9 % each; four standard errors."""
+    vessel = PassingVessel(snr_db=40.0)
+    heard = record(vessel, rng(47))
+    nearest = closest_approach(vessel)
+    for start in (0.0, 18.2, 58.0):
+        part = (heard.time >= start) & (heard.time < start + 2)
+        distance = geometry(vessel, start + 1).slant_range
+        expected = (nearest.slant_range / distance) ** 2
+        assert np.mean(heard.pressure[part] ** 2) == pytest.approx(expected, rel=4 * 0.029)
+        power = np.mean(np.sum(heard.velocity[part] ** 2, axis=-1))
+        assert power == pytest.approx(expected, rel=4 * 0.029)
+
+
+def test_the_velocity_channels_have_their_own_noise():
+    """Seed 48, 0 dB, velocity noise 4 times that of pressure: 2 s, 2 B T = 2400, four standard errors."""
+    vessel = PassingVessel(snr_db=0.0, velocity_noise_ratio=4.0)
+    heard = record(vessel, rng(48), (18.2, 20.2))
+    assert np.mean(heard.pressure**2) == pytest.approx(2.0, rel=4 * 0.029)
+    expected = 4 + geometry(vessel, 19.2).direction ** 2
+    np.testing.assert_allclose(np.mean(heard.velocity**2, axis=0), expected, rtol=4 * 0.029)
+
+
+def gaussian_covariances(source, freedom, trials, generator):
+    """Sample covariances of `freedom` independent Gaussian samples of (p, v), made one by one."""
+    noise = 1 / power_ratio(source.snr_db) * np.array([1, *[source.velocity_noise_ratio] * 3])
+    h = np.array([1, *geometry(source, 0.0).direction])
+    samples = generator.normal(size=(trials, freedom, 1)) * h
+    samples += generator.normal(size=(trials, freedom, 4)) * np.sqrt(noise)
+    return np.einsum("tki,tkj->tij", samples, samples) / freedom
+
+
+def moments(values):
+    """Variance and kurtosis along axis 0 with their standard errors from 40 batches: ((2, ...), (2, ...))."""
+    batches = values.reshape(40, -1, *values.shape[1:])
+    offset = batches - batches.mean(axis=1, keepdims=True)
+    square = np.mean(offset**2, axis=1)
+    both = np.stack([square, np.mean(offset**4, axis=1) / square**2])
+    return both.mean(axis=1), both.std(axis=1) / np.sqrt(40)
+
+
+@pytest.mark.parametrize("blocks", [1, 2])
+def test_few_degrees_of_freedom_are_drawn_as_from_single_samples(blocks):
+    """2 B T = 10 at 3 dB, 40000 draws each (seeds 62 to 64): variances and kurtoses to 4.5 standard errors of
+    the difference; the mean determinant, det C (K-1)(K-2)(K-3)/K^3, tells the degrees of the Wishart law."""
+    source = static_source(AZIMUTH, ANGLE, snr_db=3, velocity_noise_ratio=0.5, band=(200, 210))
+    direct = gaussian_covariances(source, 10, 40_000, rng(62))
+    wishart = sample_covariance(source, rng(63), 40_000, blocks=blocks)[:, 0]
+    expected, error = moments(direct)
+    for drawn in (wishart[:, 0, 1:], sample_intensity(source, rng(64), 40_000, blocks=blocks)[:, 0]):
+        found, doubt = moments(drawn)
+        miss = np.abs(found - expected[..., 0, 1:]) / np.hypot(doubt, error[..., 0, 1:])
+        assert miss.max() < 4.5
+    determinants = np.linalg.det(wishart), np.linalg.det(direct)
+    miss = np.subtract(*[np.mean(values) for values in determinants])
+    assert abs(miss) < 4 * np.hypot(*[np.std(values) / 200 for values in determinants])
 
 
 def test_the_recording_of_an_approaching_vessel_is_shifted_up_in_frequency():
