@@ -11,56 +11,55 @@ from html import escape
 
 import ipywidgets
 import numpy as np
-from IPython.display import Markdown
 from PIL import Image
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexers import PythonLexer
 
 __all__ = ["Lab", "choice", "interval", "show_source", "slider", "still", "switch"]
 
-_WIDE = {"description_width": "initial"}
-
 
 def slider(label, low, high, start, step=None, log=False):
-    """A number between low and high; whole if all are whole. `log` spaces the steps by equal factors."""
+    """A number between low and high; whole if all are whole. `log` spaces the steps by equal factors.
+
+    Raises ValueError for a start outside, or off the steps counted from low: a browser would move it.
+    """
+    whole = all(isinstance(number, int) for number in (low, high, start, step or 1)) and not log
+    ends = (np.log10(low), np.log10(high), np.log10(start)) if log else (low, high, start)
+    step = _step(label, *ends, step or (1 if whole else None))
     if log:
         return ipywidgets.FloatLogSlider(
-            start, min=np.log10(low), max=np.log10(high), step=step or np.log10(high / low) / 100,
-            description=label, readout_format=".3g", style=_WIDE, layout=_layout(),
-        )  # fmt: skip
-    whole = all(isinstance(number, int) for number in (low, high, start, step or 1))
+            start, min=ends[0], max=ends[1], step=step, description=label, readout_format=".3g"
+        )
     kind = ipywidgets.IntSlider if whole else ipywidgets.FloatSlider
-    step = step or (1 if whole else (high - low) / 100)
-    return kind(
-        start, min=low, max=high, step=step, description=label, style=_WIDE, layout=_layout(),
-        readout_format=_readout(whole, step),
-    )  # fmt: skip
+    return kind(start, min=low, max=high, step=step, description=label, readout_format=_readout(whole, step))
 
 
 def interval(label, low, high, start, step=None):
     """Two numbers between low and high, the first not above the second."""
     step = step or (high - low) / 100
     return ipywidgets.FloatRangeSlider(
-        value=start, min=low, max=high, step=step, description=label, style=_WIDE, layout=_layout(),
-        readout_format=_readout(False, step),
-    )  # fmt: skip
+        value=start, min=low, max=high, step=step, description=label, readout_format=_readout(False, step)
+    )
 
 
 def choice(label, options, start=None):
     """One of `options`: a list, or a dict from what is shown to what the model gets."""
     values = list(options.values()) if isinstance(options, dict) else list(options)
     start = values[0] if start is None else start
-    return ipywidgets.Dropdown(options=options, value=start, description=label, style=_WIDE, layout=_layout())
+    return ipywidgets.Dropdown(options=options, value=start, description=label)
 
 
 def switch(label, start=False):
     """True or False."""
-    return ipywidgets.Checkbox(start, description=label, indent=False, layout=_layout())
+    return ipywidgets.Checkbox(start, description=label, indent=False)
 
 
 class Lab:
     """Sliders above a picture above a sentence; ending a cell with a Lab shows it.
 
     model : function of the controls' values, by name; a ValueError it raises is shown in words
-    view : has `figure`, and `draw(result)`, which moves the figure's animated artists and returns the sentence
+    view : has `figure`, and `draw(result)`, which moves the animated artists and returns the sentence
     controls : slider(...), interval(...), choice(...) or switch(...) by the model's argument names
     Where no kernel runs (a web page of the notebook) the last picture and its sentence remain.
     """
@@ -71,11 +70,19 @@ class Lab:
         self._start = {name: control.value for name, control in controls.items()}
         self._picture = ipywidgets.Image(format="png", layout=ipywidgets.Layout(max_width="100%"))
         self._status = ipywidgets.HTML()
-        reset = ipywidgets.Button(description="Reset", tooltip="Put every control back", icon="undo")
+        reset = ipywidgets.Button(
+            description="Reset",
+            tooltip="Put every control back",
+            icon="undo",
+            layout={"align_self": "flex-end"},
+        )
         reset.on_click(lambda _: self.reset())
         for control in controls.values():
             control.observe(self._changed, names="value")
-        panel = ipywidgets.Box([*controls.values(), reset], layout=ipywidgets.Layout(flex_flow="row wrap"))
+        columns = ipywidgets.Layout(
+            grid_template_columns="repeat(auto-fill, minmax(17em, 1fr))", grid_gap="0 2em"
+        )
+        panel = ipywidgets.GridBox([*map(_labelled, controls.values()), reset], layout=columns)
         self.widget = ipywidgets.VBox([panel, self._picture, self._status])
         self.update()
 
@@ -123,7 +130,17 @@ def still(view, result, name=None, **parameters):
 
 def show_source(*functions):
     """The source of functions of the lab, as a student should read it."""
-    return Markdown("\n".join(f"```python\n{inspect.getsource(function)}```" for function in functions))
+    return _Source("\n\n".join(inspect.getsource(function) for function in functions))
+
+
+class _Source:
+    def __init__(self, text):
+        self.text = text
+
+    def _repr_mimebundle_(self, **_):
+        code = highlight(self.text, PythonLexer(), HtmlFormatter(noclasses=True, nowrap=True))
+        look = "background:#f7f7f7; color:#222; padding:0.6em; white-space:pre; overflow-x:auto"
+        return {"text/html": f'<pre style="{look}">{code}</pre>', "text/plain": self.text}
 
 
 class Still:
@@ -181,8 +198,26 @@ def _value(control):
     return float(f"{control.value:.12g}") if isinstance(control.value, float) else control.value
 
 
-def _layout():
-    return ipywidgets.Layout(width="24em", min_width="20em", flex="1 1 24em", margin="0 1.5em 0 0")
+def _step(label, low, high, start, step):
+    if not low <= start <= high:
+        raise ValueError(f"start of {label!r} must lie between its ends, but does not")
+    if step is None:
+        step = (high - low) / 100
+        return (start - low) / max(1, round((start - low) / step)) if start > low else step
+    if abs((start - low) / step - round((start - low) / step)) > 1e-6:
+        raise ValueError(f"start of {label!r} must lie a whole number of steps of {step:g} above its low end")
+    return step
+
+
+def _labelled(control):
+    """A control under its label, so that the words take nothing from the track."""
+    if isinstance(control, ipywidgets.Checkbox):
+        control.layout = ipywidgets.Layout(align_self="flex-end", width="auto")
+        return control
+    label = ipywidgets.Label(control.description)
+    control.description, control.tooltip = "", control.description
+    control.layout = ipywidgets.Layout(width="auto", margin="-6px 0 0 0")
+    return ipywidgets.VBox([label, control])
 
 
 def _readout(whole, step):

@@ -127,7 +127,7 @@ def test_start_page_opens_by_itself(page):
 
 
 @pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem)
-def test_slider_changes_the_picture_at_every_step(page, path, record_property):
+def test_slider_changes_the_picture_at_every_step(page, path):
     run_chapter(page, path)
     assert (
         page.locator(
@@ -136,6 +136,10 @@ def test_slider_changes_the_picture_at_every_step(page, path, record_property):
         == 0
     )
     lab = first_lab(page)
+    for width in (1920, 1536, 1280):
+        page.set_viewport_size({"width": width, "height": 900})
+        tracks = [track.bounding_box()["width"] for track in lab.locator(".noUi-base").all()]
+        assert min(tracks) >= 120, f"a slider's track is {min(tracks):.0f} px wide on a screen of {width} px"
     image, handle = lab.locator("img.widget-image"), lab.locator(".noUi-handle").first
     handle.focus()
     delays = []
@@ -144,8 +148,6 @@ def test_slider_changes_the_picture_at_every_step(page, path, record_property):
         handle.press("ArrowRight" if step % 4 < 2 else "ArrowLeft")
         delays.append(watched.evaluate("watch => watch.promise"))
     missed = delays.count(None)
-    record_property("median_ms", statistics.median(delay for delay in delays if delay is not None))
-    print(
-        f"\n{path.stem}: {STEPS} steps, {missed} missed, median {statistics.median(filter(None, delays)):.0f} ms"
-    )
+    median = statistics.median(delay for delay in delays if delay is not None)
+    print(f"\n{path.stem}: {STEPS} steps, {missed} missed, median {median:.0f} ms")
     assert missed == 0

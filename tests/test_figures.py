@@ -49,7 +49,7 @@ def test_figures_and_tables_are_written_with_what_made_them(chapter, tmp_path):
     assert set(written) == names
     said = json.loads(written["paper1_figure9.json"])
     assert said["parameters"] == {"seed": 4, "band": [200, 800]}
-    assert said["shows"].startswith("After 7 s") and "numpy" in said["versions"]
+    assert said["shows"].startswith("After 7.00 s") and "numpy" in said["versions"]
     assert written["paper3_table9.csv"].split() == [b"range,error", b"1", b"km,-0.7"]
 
 

@@ -145,5 +145,28 @@ def test_controls_give_the_model_what_it_expects():
     assert switch("s", True).value is True
 
 
+def test_start_off_the_steps_is_refused_since_a_browser_would_move_it():
+    with pytest.raises(ValueError, match="whole number of steps of 0.5"):
+        slider("Depth (m)", 0.0, 5.0, 1.2, step=0.5)
+    with pytest.raises(ValueError, match="between its ends"):
+        slider("Depth (m)", 0.0, 5.0, 6.0)
+
+
+@pytest.mark.parametrize(("low", "high", "start"), [(0.05, 5, 0.5), (0.1, 100, 1), (0.02, 20, 0.333)])
+def test_start_of_a_logarithmic_slider_lies_on_its_steps(low, high, start):
+    control = slider("Ratio", low, high, start, log=True)
+    steps = (np.log10(start) - control.min) / control.step
+    assert steps == pytest.approx(round(steps), abs=1e-9)
+    assert control.value == start
+
+
+def test_labels_stand_above_the_controls(lab):
+    panel = lab.widget.children[0].children
+    assert [box.children[0].value for box in panel[:2]] == ["Amplitude (m)", "Turns"]
+    assert panel[0].children[1] is lab.controls["amplitude"]
+
+
 def test_source_is_shown_as_code():
-    assert show_source(wave).data.startswith("```python\ndef wave(")
+    data = show_source(wave, pixels)._repr_mimebundle_()
+    assert data["text/plain"].startswith("def wave(") and "def pixels(" in data["text/plain"]
+    assert "<pre" in data["text/html"]
