@@ -120,7 +120,7 @@ def prepare():
         raise Problem(
             "cannot write to " + ROOT + " (" + str(error.strerror or error) + "); put the lab in a folder "
             "that you may write to, with 1 GB free, and run the command again."
-        )
+        ) from error
     return python
 
 

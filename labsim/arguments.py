@@ -45,7 +45,9 @@ def require_shape(name, value, shape):
     """
     array = _as_float(name, value)
     tail = array.shape[max(array.ndim - len(shape), 0) :]
-    fits = len(tail) == len(shape) and all(want in (None, have) for want, have in zip(shape, tail))
+    fits = len(tail) == len(shape) and all(
+        want in (None, have) for want, have in zip(shape, tail, strict=True)
+    )
     if not fits:
         wanted = ", ".join("n" if length is None else str(length) for length in shape)
         raise ValueError(f"{name} must have shape (..., {wanted}), but {array.shape} was given")

@@ -317,7 +317,8 @@ def simulate_detections(rng, scenario, runs=()):
     origin = np.where(heard, np.arange(shape[-1]), NOTHING)
     origin = np.concatenate([origin, np.where(np.isfinite(clutter_snr), CLUTTER, NOTHING)], axis=-1)
     snr = np.concatenate([np.where(heard, snr, np.nan), clutter_snr], axis=-1)
-    return Detections(*np.moveaxis(measured, -1, 0), snr, origin)
+    bearing, delay, doppler = np.moveaxis(measured, -1, 0)
+    return Detections(bearing, delay, doppler, snr, origin)
 
 
 def clutter_density(scenario, doppler=False):

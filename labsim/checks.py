@@ -1,4 +1,4 @@
-"""What a notebook says about answers and claims: a verdict on an exercise, and the table of a paper's claims."""
+"""What a notebook says about answers and claims: feedback on an exercise, the table of a paper's claims."""
 
 from dataclasses import asdict, dataclass
 from html import escape

@@ -126,7 +126,8 @@ def test_help_explains_both_commands():
 
 
 def test_importing_the_package_loads_nothing_heavy():
-    code = "import sys, labsim; print([m for m in ('numpy', 'scipy', 'matplotlib', 'ipywidgets') if m in sys.modules])"
+    heavy = ("numpy", "scipy", "matplotlib", "ipywidgets")
+    code = f"import sys, labsim; print([name for name in {heavy} if name in sys.modules])"
     shown = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True)
     assert shown.stdout.strip() == "[]"
 

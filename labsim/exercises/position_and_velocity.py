@@ -120,7 +120,8 @@ def _scene(vessel):
 
 
 def _listen(vessel, rng, trials):
-    return position(*direction_of_arrival(sample_intensity(vessel, rng, trials)), vessel.sensor_depth)
+    azimuth, angle = direction_of_arrival(sample_intensity(vessel, rng, trials))
+    return position(azimuth, angle, vessel.sensor_depth)
 
 
 def _bound(vessel, heard, time, error, **span):

@@ -11,4 +11,6 @@ def closest_time(answer):
     track = straight_track(start=(-250, 100), speed=12, heading=np.radians(10))
     start, velocity = track.position(0), track.velocity(0)
     expected = -start @ velocity / (velocity @ velocity)
-    return check_number(answer, expected, 0.05, "move the slider until the distance is smallest, and read the time")
+    return check_number(
+        answer, expected, 0.05, "move the slider until the distance is smallest, and read the time"
+    )
