@@ -370,7 +370,7 @@ class OperatorView:
         self.images, self.picks, self.shades = [], [], []
         for axes, name in zip(self.displays, ("Pair 1-2", "Pair 2-3"), strict=True):
             image = axes.imshow(
-                result["curves"][0].T, cmap=colormaps[style.FIELD_MAP].resampled(32), extent=extent,
+                result["curves"][0].T, cmap=colormaps[style.FIELD_MAP].resampled(20), extent=extent,
                 aspect="auto", origin="lower", interpolation="nearest",
                 vmin=-size, vmax=size,
             )  # fmt: skip

@@ -93,6 +93,17 @@ def test_infinite_and_impossible_ranges_are_drawn_and_said_as_such():
 
 
 def test_cells_without_a_range_say_behind():
+    assert ErrorTableView.words(np.nan, -277.1) == ("behind", "(-277.1)")
+    assert ErrorTableView.words(np.inf, -100.0) == ("∞", "(-100.0)")
+    assert ErrorTableView.words(-3.84, -4.0) == ("-3.84", "(-4.0)")
+
+
+def test_numbers_stand_in_the_middle_of_their_cells():
     view = ErrorTableView(table())
-    view.draw(table(-0.5))
-    assert sum(cell.get_text().startswith("behind") for cell in view.cells) > 5
+    view.light.write([((4, 2), 0, "-3.84"), ((4, 2), 1, "(-4.0)")])
+    box = view.light.patch.get_path().get_extents()
+    middle = view.axes.transData.transform((4, 2))
+    assert (box.x0 + box.x1) / 2 == pytest.approx(middle[0], abs=2)
+    assert (box.y0 + box.y1) / 2 == pytest.approx(middle[1], abs=4)
+    view.light.write([])
+    assert len(view.light.patch.get_path()) == 1
