@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from functools import partial
+from pathlib import Path
 
 import joblib
 import numpy as np
@@ -140,6 +141,17 @@ def test_dask_cluster_gives_the_same_bits_and_survives_a_lost_worker(serial, tmp
         assert_same_bits(montecarlo.run(study, 70, seed=3, batch=10), serial)
         assert_same_bits(montecarlo.run(partial(die_once, flag=flag), 70, seed=3, batch=10), serial)
         assert flag.exists()
+
+
+def test_readme_example_gives_the_same_bits_here_and_on_a_cluster():
+    distributed = pytest.importorskip("distributed")
+    readme = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+    code = readme.split("```python\n")[1].split("```")[0].replace("100_000", "2_000")
+    with distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None) as cluster:
+        names = {"__name__": "readme"}
+        exec(code.replace("address-of-the-scheduler:8786", cluster.scheduler_address), names)
+    assert names["here"].shape == (2_000, 1)
+    assert names["here"].tobytes() == names["there"].tobytes()
 
 
 def test_dask_cluster_that_keeps_losing_workers_says_what_is_missing():
