@@ -385,10 +385,12 @@ def _lagged_means(fixed, shifted, lags, length):
     """Means over steps of `length` samples of fixed(t) shifted(t - lag), (trials, steps, lags)."""
     trials, samples = fixed.shape
     steps = samples // length
+    whole = steps * length
     reach = int(np.max(np.abs(lags)))
     padded = np.pad(shifted, ((0, 0), (reach, reach)))
+    blocks = fixed[:, :whole].reshape(trials, steps, length)
     result = np.empty((trials, steps, lags.size))
     for column, lag in enumerate(lags):
-        product = fixed * padded[:, reach - lag : reach - lag + samples]
-        result[:, :, column] = product[:, : steps * length].reshape(trials, steps, length).mean(axis=-1)
+        other = padded[:, reach - lag : reach - lag + whole].reshape(trials, steps, length)
+        result[:, :, column] = np.einsum("tsl,tsl->ts", blocks, other) / length
     return result
