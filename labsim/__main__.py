@@ -17,6 +17,7 @@ ENVIRONMENT = os.path.join(ROOT, ".venv")
 PINS = os.path.join(ROOT, "environment.txt")
 STAMP = os.path.join(ENVIRONMENT, "labsim-installed")
 OLDEST = (3, 11)
+UNFINISHED = "unfinished"
 
 HELP = """\
 python3 -m labsim [JUPYTERLAB OPTIONS]   open the lab in the browser, at its first notebook
@@ -46,7 +47,6 @@ def main(arguments):
         if arguments[:1] == ["test"]:
             return run([python, "-m", "pytest"] + arguments[1:])
         if arguments[:1] == ["apps"]:
-            require_voila(python)
             return run(apps_command(python) + arguments[1:])
         if arguments[:1] == ["figures"]:
             return run([python, "-m", "labsim.figures"] + arguments[1:])
@@ -60,7 +60,10 @@ def main(arguments):
 
 
 def run(command):
-    """Run a command that handles Ctrl-C itself, and return its exit status."""
+    """Become the command, so that signals reach it; where that cannot be, run it and return its exit status."""
+    if os.name == "posix":
+        os.chdir(ROOT)
+        os.execv(command[0], command)
     process = subprocess.Popen(command, cwd=ROOT)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     return process.wait()
@@ -77,17 +80,6 @@ def lab_command(python):
 def apps_command(python):
     """Voila, which runs a notebook for each visitor and shows all of it but the code."""
     return [python, "-m", "voila", "notebooks", "--classic-tree"]
-
-
-def require_voila(python):
-    """Install the extra `apps` where the environment lacks it."""
-    if subprocess.call([python, "-c", "import voila"], stderr=subprocess.DEVNULL) == 0:
-        return
-    if pip_install(python, "--editable", ".[apps]"):
-        raise Problem(
-            "Voila, which shows the pages, could not be installed; see pip's message above, connect to a "
-            "network and run the command again."
-        )
 
 
 def prepare():
@@ -114,8 +106,7 @@ def prepare():
     try:
         check_writable()
         install(python)
-        with open(STAMP, "w", encoding="utf-8") as stamp:
-            stamp.write(wanted)
+        stamp(wanted)
     except OSError as error:
         raise Problem(
             "cannot write to " + ROOT + " (" + str(error.strerror or error) + "); put the lab in a folder "
@@ -125,14 +116,26 @@ def prepare():
 
 
 def install(python):
-    """Mend an environment that an earlier run finished, or make it anew; then install the pinned packages."""
-    if os.path.exists(python) and os.path.exists(STAMP):
-        os.remove(STAMP)
-    else:
+    """Make the environment, or mend one that this command made before; then install the pinned packages.
+
+    The stamp says whose folder it is: there from the beginning, it tells an unfinished environment of the
+    lab, which is made anew, from one that somebody made by hand, which is left alone.
+    """
+    state = read(STAMP)
+    if state is None and os.path.isdir(ENVIRONMENT) and os.listdir(ENVIRONMENT):
+        raise Problem(
+            "the folder .venv is there, but this command did not make it; rename or delete it and run the "
+            "command again, or go on using it with the plain commands of the README."
+        )
+    if state == UNFINISHED or not os.path.exists(python):
         shutil.rmtree(ENVIRONMENT, ignore_errors=True)
+        os.makedirs(ENVIRONMENT)
+        stamp(UNFINISHED)
         if subprocess.call([sys.executable, "-m", "venv", ENVIRONMENT]):
             raise Problem("Python could not make an environment in .venv; see its message above.")
-    if pip_install(python, "--requirement", PINS):
+    stamp(UNFINISHED)
+    pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-compile", "--no-input"]
+    if subprocess.call(pip + ["--requirement", PINS], cwd=ROOT):
         raise Problem(
             "the packages could not be installed; see pip's message above. If there is no network, "
             "connect to one and run the command again."
@@ -140,10 +143,10 @@ def install(python):
     write_settings()
 
 
-def pip_install(python, *what):
-    """Install with the environment's pip; returns its exit status."""
-    pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-compile", "--no-input"]
-    return subprocess.call(pip + list(what), cwd=ROOT)
+def stamp(text):
+    """Write what the environment's stamp says."""
+    with open(STAMP, "w", encoding="utf-8") as file:
+        file.write(text)
 
 
 def write_settings():
