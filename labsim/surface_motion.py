@@ -28,9 +28,9 @@ def position(azimuth, elevation, depth):
     """The point of the surface in a given direction (Wu & Hu 2010, eq. 5).
 
     azimuth : (...), radians from the x axis towards the y axis
-    elevation : (...), radians from the vertical, as in the paper (0 is straight up, not the horizon)
+    elevation : (...), radians from the vertical, as in the paper (0 is straight up)
     depth : of the sensor under the surface, m
-    Returns (..., 2), m from the point above the sensor; the paper's r_k is this horizontal range.
+    Returns (..., 2), m from the point above the sensor; the paper's r_k is this range.
     NaN where the direction is NaN or does not meet the surface (elevation not below pi/2).
     Raises ValueError for a depth that is not positive.
     """
@@ -38,7 +38,8 @@ def position(azimuth, elevation, depth):
     elevation = np.asarray(elevation, dtype=float)
     meets = (elevation >= 0) & (elevation < np.pi / 2)
     horizontal_range = depth * np.tan(np.where(meets, elevation, np.nan))
-    return horizontal_range[..., None] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    bearing = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
+    return horizontal_range[..., None] * bearing
 
 
 def slant_range(position, depth):
@@ -67,8 +68,8 @@ def difference_velocity(position, window):
     """Velocity as the difference of successive positions (Wu & Hu 2010, eq. 6).
 
     position : (..., n, 2), m; window : T, s
-    Returns (..., n, 2), m/s. The first row is NaN: there is nothing to subtract. (The paper sets it to 0,
-    which would count as an estimate in an average.) NaN positions give NaN.
+    Returns (..., n, 2), m/s. The first row is NaN: there is nothing to subtract. (The paper
+    sets it to 0, which would count as an estimate in an average.) NaN positions give NaN.
     Raises ValueError for a wrong shape or a window that is not positive.
     """
     position = require_shape("position", position, (None, 2))
@@ -133,12 +134,13 @@ def orthogonal_fit_velocity(position, window):
 
 
 def position_precision(position, depth, angle_error):
-    """Inverse covariance of a position whose direction is wrong by `angle_error` every way across it.
+    """Inverse covariance of a position whose direction is wrong every way across it.
 
-    The error is angle_error * r along the circle and angle_error * r^2 / depth along the radius, r the slant
-    range; both at once are (1 - d d' / r^2) / (r angle_error)^2.
+    The error is angle_error * r along the circle and angle_error * r^2 / depth along the
+    radius, r the slant range; both at once are (1 - d d' / r^2) / (r angle_error)^2.
 
-    position : (..., 2), d, m; depth : m; angle_error : (...), standard deviation, radians
+    position : (..., 2), d, m; depth : m
+    angle_error : (...), standard deviation of the direction, radians
     Returns (..., 2, 2), 1/m^2. Raises ValueError for values that are not positive.
     """
     require_positive("angle_error", angle_error)
@@ -177,16 +179,18 @@ def motion_fit(position, time, precision=None, span=None, centred=False):
 def weighted_motion_fit(position, time, depth, angle_error, span=None, centred=False):
     """motion_fit with each position weighted by what it is worth (position_precision).
 
-    The worth depends on the range. Taken at the noisy position itself it would favour errors towards the
-    sensor and bend the fit; so it is taken at the track of a first, unweighted fit, which is carried on in a
-    straight line where the span leaves the record.
+    The worth depends on the range. Taken at the noisy position itself it would favour errors
+    towards the sensor and bend the fit; so it is taken at the track of a first, unweighted
+    fit, which is carried on in a straight line where the span leaves the record.
 
     position : (..., n, 2), m; time : (n,) or (..., n), s; depth : m
-    angle_error : scalar or (n,) or (..., n), standard deviation of direction, radians (only ratios matter)
+    angle_error : scalar or (n,) or (..., n), standard deviation of direction, radians
+        (only ratios matter)
     span, centred : as in motion_fit. Returns a Motion; NaN and errors as there.
     """
     track = _carried_on(motion_fit(position, time, None, span, centred), time)
-    return motion_fit(position, time, position_precision(track, depth, angle_error), span, centred)
+    precision = position_precision(track, depth, angle_error)
+    return motion_fit(position, time, precision, span, centred)
 
 
 def maximum_likelihood_motion(azimuth, elevation, time, depth, sound_speed, angle_error):

@@ -56,7 +56,8 @@ class FitView:
 
     Draws a dict with `fit`, a name; `abeam`, time of closest approach, s; `time` (n,), s; `truth`, `points`,
     `fitted` (n, 2), m, of one run; `velocity` (n, 2), m/s, along and across the true course, of that run;
-    `speed`, true, m/s; `error` (n, 2), m/s, RMSE along and across over runs; `runs`; `bound` (n,), m/s.
+    `speed`, true, m/s; `error` (n, 2), m/s, RMSE along and across over runs; `runs`; `bound` (n,), m/s;
+    and `ahead`, whether the fit also uses windows that come later.
     """
 
     def __init__(self):
@@ -65,11 +66,13 @@ class FitView:
         axes = self.figure.add_subplot(grid[:, 0])
         velocity = self.figure.add_subplot(grid[0, 1])
         error = self.figure.add_subplot(grid[1, 1], sharex=velocity)
-        self.points, self.truth = _map(axes, "")
+        self.points, self.truth = _map(axes, "", ylim=(-320, 560))
         (self.fitted,) = axes.plot([], [], "s", color=style.ORANGE, ms=3, label="after fitting")
         (self.speed,) = velocity.plot([], [], **TRUTH)
         self.velocity = [velocity.plot([], [], ls, color=c, lw=1.4)[0] for c, ls in _ALONG_ACROSS]
-        velocity.set(ylabel="velocity, one run (m/s)", ylim=(-15, 35), xlim=(0, 60))
+        velocity.set_yscale("symlog", linthresh=20, linscale=2)
+        velocity.set(ylabel="velocity, one run (m/s)", ylim=(-400, 400), xlim=(0, 60))
+        velocity.set_yticks([-200, -20, -10, 0, 10, 20, 200], ["−200", "−20", "−10", "0", "10", "20", "200"])
         self.error = [error.plot([], [], ls, color=c)[0] for c, ls in _ALONG_ACROSS]
         (self.bound,) = error.plot([], [], color=style.BLACK, linestyle=":")
         error.set(yscale="log", ylim=(0.01, 300), xlabel="time (s)", ylabel="velocity RMSE (m/s)")
@@ -99,7 +102,8 @@ class FitView:
         return (
             f"{result['fit']}: within 2 s of the closest approach the velocity is wrong by {_two(along)} m/s "
             f"along the track and {_two(across)} m/s across it (RMSE of {result['runs']} runs); the least "
-            f"that all windows so far allow is {_two(np.nanmean(result['bound'][near]))} m/s."
+            f"that all windows so far allow is {_two(np.nanmean(result['bound'][near]))} m/s"
+            f"{' (this fit also looks ahead)' if result['ahead'] else ''}.{_lost(time, result['points'])}"
         )
 
 
@@ -119,7 +123,7 @@ class ComparisonView:
         self.lines = [
             axes.plot([], [], color=c, ls=ls)[0] for _, (c, ls, _) in zip(names, looks, strict=True)
         ]
-        axes.set(yscale="log", xlim=(0, 60), ylim=(0.03, 300))
+        axes.set(yscale="log", xlim=(0, 60), ylim=(0.003, 300))
         axes.set(xlabel="time (s)", ylabel="RMSE of the velocity vector (m/s)")
         axes.set_title("Fit a motion, not a line; and in the end the weights decide")
         labels = [*names, "bound (all windows so far)", "closest approach"]
@@ -136,12 +140,13 @@ class ComparisonView:
         for line, error in zip(self.lines, errors.values(), strict=True):
             line.set_data(time, error)
         end = np.flatnonzero(np.isfinite(result["bound"]))[-1]
-        said = ", ".join(
-            f"{name} {_two(error[end])}" for name, error in errors.items() if np.isfinite(error[end])
-        )
+        known = {name: error[end] for name, error in errors.items() if np.isfinite(error[end])}
+        said = "; ".join(f"{name}: {_two(error)}" for name, error in known.items())
+        silent = "; ".join(name for name in errors if name not in known)
         return (
-            f"At {result['snr_db']:.0f} dB, after {time[end]:.0f} s, the velocity is wrong by (m/s): {said}; "
-            f"the bound is {_two(result['bound'][end])}."
+            f"At {result['snr_db']:.0f} dB, after {time[end]:.0f} s, the velocity is wrong by (m/s) {said}; "
+            f"the bound is {_two(result['bound'][end])}"
+            f"{f' (no value at {time[end]:.0f} s: {silent})' if silent else ''}."
         )
 
 
@@ -176,7 +181,7 @@ class AssumptionView:
         true, found = (_speed_and_course(result[name]) for name in ("true_velocity", "velocity"))
         for panel in (0, 1):
             self.true[panel].set_data(result["time"], true[panel])
-            self.found[panel].set_data(result["time"], found[panel])
+            self.found[panel].set_data(result["time"], _broken(found[panel]) if panel else found[panel])
         known = np.isfinite(found[0]) & (result["time"] > 10)
         miss = rmse((found[0] - true[0])[known])
         turn = np.degrees(angle_rmse(*np.radians([found[1], true[1]])[:, known]))
@@ -184,8 +189,9 @@ class AssumptionView:
         self.titles[0].set_text(f"Position wrong by {_two(off)} m")
         self.titles[1].set_text(f"Speed wrong by {_two(miss)} m/s")
         self.titles[2].set_text(f"Course wrong by {_two(turn)}°")
+        first, last = result["time"][known][[0, -1]]
         return (
-            f"From 10 s on, speed is wrong by {_two(miss)} m/s (on average it is "
+            f"From {first:.0f} to {last:.0f} s speed is wrong by {_two(miss)} m/s (on average it is "
             f"{np.mean((found[0] / true[0])[known]):.2f} times the truth) and course by {_two(turn)}°, "
             f"root mean squares over time in one run."
         )
@@ -213,6 +219,18 @@ def _legend(figure, axes, more=(), labels=()):
 def _two(value):
     """Two significant digits, without powers of ten."""
     return f"{float(f'{value:.2g}'):g}"
+
+
+def _lost(time, points):
+    """A sentence on the windows whose direction does not meet the surface; nothing where all do."""
+    lost = np.isnan(points[:, 0])
+    return f" Beyond {time[lost][0]:.0f} s some directions no longer meet the surface." if lost.any() else ""
+
+
+def _broken(course):
+    """A course in degrees with a gap wherever it passes from +180 to -180 or back."""
+    jump = np.abs(np.diff(course, prepend=course[0])) > 180
+    return np.where(jump, np.nan, course)
 
 
 def _larger(start, along, across):

@@ -9,7 +9,7 @@ from labsim.surface_motion import motion_fit, slant_range, weighted_motion_fit
 NUMBERS = (
     exercises.scatter_at_distance,
     exercises.speed_with_wrong_depth,
-    exercises.heading_of_the_line,
+    exercises.course_of_the_line,
     exercises.shortest_window,
 )
 
@@ -28,6 +28,7 @@ def test_nonsense_is_looked_at_again(exercise, answer):
 def test_scatter_grows_with_the_cube_of_range():
     assert exercises.scatter_at_distance(8).right
     assert "the angle itself" in exercises.scatter_at_distance(4).hint
+    assert "other way round" in exercises.scatter_at_distance(1 / 8).hint
 
 
 def test_speed_grows_with_the_believed_depth():
@@ -36,17 +37,18 @@ def test_speed_grows_with_the_believed_depth():
     assert "multiplies" in exercises.speed_with_wrong_depth(12).hint
 
 
-def test_the_heading_of_the_line():
+def test_the_course_of_the_line():
     # Independent: 0.27 degrees in a prototype of 1000 runs; 15 % are allowed, the spread of 400 is 5 %.
-    assert exercises.heading_of_the_line(0.27).right
-    assert "radians" in exercises.heading_of_the_line(np.radians(0.27)).hint
-    assert "arctan(A)" in exercises.heading_of_the_line(50).hint
+    assert exercises.course_of_the_line(0.27).right
+    assert "radians" in exercises.course_of_the_line(np.radians(0.27)).hint
+    assert "arctan(A)" in exercises.course_of_the_line(50).hint
 
 
 def test_the_shortest_window_is_the_shortest_that_is_enough():
     found = {seconds: exercises.shortest_window(seconds) for seconds in range(2, 41)}
     assert [seconds for seconds, feedback in found.items() if feedback.right] == [22]
-    assert "more than 0.2" in found[21].hint
+    assert "0.204 m/s, more than 0.2" in found[21].hint
+    assert "number of windows" in exercises.shortest_window(44).hint
     assert "so are fewer" in found[23].hint
     assert "whole number" in exercises.shortest_window(22.5).hint
     assert "at most 40" in exercises.shortest_window(60).hint
@@ -61,3 +63,9 @@ def test_your_fit_is_measured_against_the_bound():
     assert exercises.your_fit(lambda points, time: ...).status == "not answered yet"
     assert "times the bound" in exercises.your_fit(lambda d, t: motion_fit(d, t).velocity[:, -1]).hint
     assert "shape" in exercises.your_fit(lambda points, time: points[0, 0]).hint
+
+
+def test_a_velocity_known_beforehand_is_not_a_fit():
+    paper = 12 * np.array([np.cos(np.pi / 18), np.sin(np.pi / 18)])
+    feedback = exercises.your_fit(lambda points, time: np.tile(paper, (len(points), 1)))
+    assert feedback.status == "look again" and "9 m/s" in feedback.hint

@@ -17,8 +17,8 @@ def scatter():
 def fit():
     error = np.broadcast_to([4.26, 0.333], (TIME.size, 2))
     return dict(
-        fit="Line", abeam=20.0, time=TIME, truth=TRUTH, points=TRUTH, fitted=TRUTH, speed=12.0, runs=20,
-        velocity=error, error=error, bound=np.full(TIME.size, 0.14),
+        fit="Line", ahead=False, abeam=20.0, time=TIME, truth=TRUTH, points=TRUTH, fitted=TRUTH, speed=12.0,
+        velocity=error, error=error, bound=np.full(TIME.size, 0.14), runs=20,
     )  # fmt: skip
 
 
@@ -46,9 +46,13 @@ CASES = {
     "comparison": (
         lambda: ComparisonView(list("abcd")),
         comparison,
-        ["after 60 s", "a 160", "d 0.05", "0.049"],
+        ["after 60 s", "a: 160", "d: 0.05", "0.049."],
     ),
-    "assumption": (AssumptionView, assumption, ["0.6 m/s", "1.05 times the truth", "course by 0°"]),
+    "assumption": (
+        AssumptionView,
+        assumption,
+        ["From 10 to 60 s", "0.6 m/s", "1.05 times the truth", "course by 0°"],
+    ),
 }
 
 
@@ -88,6 +92,32 @@ def test_directions_that_miss_the_surface_are_said_to_do_so():
     result["error"] = np.where(np.arange(TIME.size)[:, None] > 100, np.nan, result["error"])
     sentence = ScatterView().draw(result)
     assert sentence.endswith("at 160 m slant range some directions no longer meet the surface.")
+
+
+def test_what_the_sentence_of_a_fit_adds():
+    result = fit()
+    assert FitView().draw(result | {"ahead": True}).endswith("m/s (this fit also looks ahead).")
+    points = np.where(TIME[:, None] > 37, np.nan, TRUTH)
+    assert (
+        FitView()
+        .draw(result | {"points": points})
+        .endswith("Beyond 37 s some directions no longer meet the surface.")
+    )
+
+
+def test_a_fit_without_a_value_at_the_end_is_named():
+    result = comparison()
+    result["errors"]["b"] = np.where(TIME > 50, np.nan, result["errors"]["b"])
+    assert ComparisonView(list("abcd")).draw(result).endswith("(no value at 60 s: b).")
+
+
+def test_a_course_that_passes_180_degrees_is_not_joined_across_the_picture():
+    turn = np.linspace(2.5, 3.5, TIME.size)
+    velocity = 12 * np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    view = AssumptionView()
+    view.draw(assumption() | dict(velocity=velocity))
+    drawn = view.found[1].get_ydata()
+    assert np.isnan(drawn).sum() == 1 and np.nanmax(np.abs(np.diff(drawn))) < 5
 
 
 def test_the_title_says_where_the_error_lies():
