@@ -13,7 +13,7 @@ from labsim.checks import VERDICTS, Claim, ClaimsTable, Table
 PAPERS = {
     1: ("one vector sensor and a passing vessel", "Wu & Hu 2010", ("01", "02", "03")),
     2: ("course from bearings and a range ratio", "Dong et al. 2020", ("06",)),
-    3: ("passive ranging with three hydrophones", "passive-ranging report", ("04", "05")),
+    3: ("passive ranging with three hydrophones", "NDRE, in translation", ("04", "05")),
     4: ("pairing bearings through a gate", "Xu et al. 2022", ("07",)),
     5: ("bistatic tracking with a GM-PHD filter", "Ma et al. 2023", ("08",)),
 }

@@ -5,7 +5,7 @@ import json
 import re
 
 import pytest
-from conftest import CHAPTERS, SOLUTIONS, code_cells, read_notebook, source
+from conftest import CHAPTERS, ROOT, SOLUTIONS, code_cells, read_notebook, source
 
 LONGEST_CELL = 15
 LARGEST_FILE = 1_000_000
@@ -133,6 +133,17 @@ def test_solutions_stand_beside_the_exercises(path):
     assert "assert" in "".join(source(cell) for cell in code_cells(notebook))
 
 
-def test_start_notebook_leads_to_every_chapter():
+def test_start_notebook_leads_to_every_chapter_by_its_title_and_time():
     _, text = headings(read_notebook(CHAPTERS[0]))
-    assert sorted(re.findall(r"\]\((\d\d_\w+\.ipynb)\)", text)) == [path.name for path in CHAPTERS[1:]]
+    listed = re.findall(r"\| \[(.+?)\]\((\d\d_\w+\.ipynb)\) \|.*\| (\d+)&nbsp;min", text)
+    for (title, name, minutes), path in zip(listed, CHAPTERS[1:], strict=True):
+        found, chapter = headings(read_notebook(path))
+        time = re.search(r"\*\*Time:\*\* (\d+) minutes", chapter)
+        assert (title, name, minutes) == (found[0], path.name, time[1])
+
+
+@pytest.mark.parametrize("path", [*CHAPTERS, *SOLUTIONS, ROOT / "README.md"], ids=lambda path: path.stem)
+def test_links_lead_somewhere(path):
+    text = path.read_text(encoding="utf-8") if path.suffix == ".md" else headings(read_notebook(path))[1]
+    for link in re.findall(r"\]\((?!\w+:)([^)#\s]+)", text):
+        assert (path.parent / link).exists(), link
