@@ -25,13 +25,14 @@ class ErrorView:
             (line,) = axes.plot([], [], "-", color=style.BLUE, label="RMSE over records")
             (dash,) = axes.plot([], [], "--", color=style.ORANGE, label="expected")
             (mark,) = axes.plot([], [], "v", color=style.BLACK, markersize=8, label="least expected")
-            axes.set(xlabel="time (s)", xlim=(0, 60), yscale="log", ylim=(0.02, 50))
+            axes.set(xlabel="time (s)", xlim=(0, 60), yscale="log", ylim=(0.005, 50))
             self.artists.append((dots, line, dash, mark))
             self.titles.append(axes.set_title("error"))
             style.animate(dots, line, dash, mark, self.titles[-1])
             _plain(axes.yaxis)
         self.panels[0].set_ylabel("error (°)")
-        self.panels[1].legend(loc="upper center", ncols=2)
+        handles, names = self.panels[1].get_legend_handles_labels()
+        self.figure.legend(handles, names, loc="outside lower center", ncols=4)
 
     def draw(self, result):
         """Show the errors of one scene; return the sentence."""
@@ -46,7 +47,8 @@ class ErrorView:
             mark.set_data([time[best]], [expected[best]])
             self.titles[which].set_text(f"{name}: least error near {time[best]:.0f} s")
             words.append(
-                f"{name.lower()} {measured[best]:.2f}° near {time[best]:.0f} s and {measured[-1]:.1f}° last"
+                f"{name.lower()} {_two(measured[best])}° near {time[best]:.0f} s "
+                f"and {_two(measured[-1])}° last"
             )
         return f"RMSE over {result['trials']} records: {'; '.join(words)}."
 
@@ -65,7 +67,7 @@ class RegimeView:
             [], [], "-", color=style.GREY, linewidth=1, label="a factor of 10 for 20 dB"
         )
         (self.expected,) = self.axes.plot([], [], "--", color=style.ORANGE, label="closed form")
-        (self.bound,) = self.axes.plot([], [], ":", color=style.BLACK, label="Cramér-Rao bound")
+        (self.bound,) = self.axes.plot([], [], ":", color=style.BLACK, label="Cramér-Rao bound (later)")
         (self.points,) = self.axes.plot([], [], "o", color=style.BLUE, label="averaged intensity, simulated")
         (self.cliff,) = self.axes.plot([], [], "-.", color=style.GREEN, linewidth=1.2)
         (self.knee,) = self.axes.plot([0, 0], [FLOOR, CEILING], "-.", color=style.GREEN, linewidth=1.2)
@@ -83,8 +85,10 @@ class RegimeView:
 
     def draw(self, result):
         """Show one set of window, bandwidth and noise; return the sentence."""
-        for name in ("simple", "expected", "bound"):
+        for name in ("simple", "expected"):
             getattr(self, name).set_data(result["curve_db"], result[name])
+        meant = result["curve_db"] >= result["cliff_db"]
+        self.bound.set_data(result["curve_db"][meant], result["bound"][meant])
         self.points.set_data(result["snr_db"], result["measured"])
         cliff = np.clip(result["cliff_db"], -21, 31)
         self.cliff.set_data([cliff, cliff], [FLOOR, CEILING])
@@ -92,7 +96,7 @@ class RegimeView:
         for text, left, right in zip(self.names, edges[:-1], edges[1:], strict=True):
             text.set_x((left + right) / 2)
             text.set_visible(right - left > 6)
-        self.title.set_text(f"The linear law ends near {result['cliff_db']:.0f} dB")
+        self.title.set_text(f"The formula fails below {result['cliff_db']:.0f} dB")
         ten = np.argmin(np.abs(result["snr_db"] - 10))
         return (
             f"At {result['snr_db'][ten]:.0f} dB the measured RMSE is {result['measured'][ten]:.2f}°; "
@@ -145,7 +149,7 @@ class OverheadView:
         self.sphere_now.set_data([angle], [sphere])
         self.title.set_text(f"Azimuth errs {azimuth / sphere:.1f} times as much as the direction")
         return (
-            f"At {angle:.0f}° from the vertical the azimuth errs by {azimuth:.2f}° (RMSE), "
+            f"At {angle:.1f}° from the vertical the azimuth errs by {azimuth:.2f}° (RMSE), "
             f"the direction on the sphere by {sphere:.2f}° in each of its two ways."
         )
 
@@ -153,6 +157,7 @@ class OverheadView:
 class WindowView:
     """Azimuth error against the length of the window for a moving source.
 
+    Windows tried before stay as grey dots until anything but the window changes.
     Draws a dict with `window` (k,) s and `measured` (k,) deg, or one of each; `windows` (m,) s
     and `noise`, `lag`, `total` (m,) deg; `best` s; `revealed`, whether to show the curves.
     """
@@ -160,26 +165,35 @@ class WindowView:
     def __init__(self):
         self.figure = style.figure(9, 4.4)
         self.axes = self.figure.subplots()
-        (self.noise,) = self.axes.plot([], [], "--", color=style.ORANGE, label="noise: falls")
-        (self.lag,) = self.axes.plot([], [], "-.", color=style.GREEN, label="motion: grows")
+        (self.noise,) = self.axes.plot([], [], "--", color=style.ORANGE, label="noise")
+        (self.lag,) = self.axes.plot([], [], "-.", color=style.GREEN, label="motion")
         (self.total,) = self.axes.plot([], [], "-", color=style.GREY, label="both, closed form")
         (self.best,) = self.axes.plot([], [], ":", color=style.BLACK, label="best window, closed form")
+        (self.tried,) = self.axes.plot([], [], "o", color=style.GREY, markersize=6, label="tried before")
         (self.point,) = self.axes.plot([], [], "o", color=style.BLUE, markersize=9, label="simulated")
+        self.scene, self.visited = None, {}
         self.axes.set(xlabel="window (s)", ylabel="azimuth RMSE (°)", xscale="log", yscale="log")
         self.axes.set(xlim=(0.05, 20), ylim=(0.02, 60))
         _plain(self.axes.xaxis)
         _plain(self.axes.yaxis)
-        self.axes.legend(loc="upper center", ncols=3)
+        self.axes.add_artist(self.axes.legend(handles=[self.point, self.tried], loc="upper left"))
+        closed_form = [self.noise, self.lag, self.total, self.best]
+        self.key = self.axes.legend(handles=closed_form, loc="upper right", ncols=2)
         self.title = self.axes.set_title("Azimuth error")
-        style.animate(self.noise, self.lag, self.total, self.best, self.point, self.title)
+        style.animate(*closed_form, self.tried, self.point, self.key, self.title)
 
     def draw(self, result):
         """Show one window; return the sentence."""
         shown = 1.0 if result["revealed"] else np.nan
         for name in ("noise", "lag", "total"):
             getattr(self, name).set_data(result["windows"], shown * result[name])
-        self.best.set_data([result["best"] * shown] * 2, [0.02, 60])
+        self.best.set_data([result["best"] * shown] * 2, [0.02, 10])
+        self.key.set_visible(bool(result["revealed"]))
         window, measured = np.atleast_1d(result["window"]), np.atleast_1d(result["measured"])
+        if not np.array_equal(self.scene, result["total"]):
+            self.scene, self.visited = result["total"], {}
+        self.tried.set_data(list(self.visited), list(self.visited.values()))
+        self.visited |= dict(zip(window.tolist(), measured.tolist(), strict=True))
         self.point.set_data(window, measured)
         self.title.set_text(f"A window of {window[-1]:.2g} s errs by {measured[-1]:.2f}°")
         reveal = (
@@ -225,6 +239,11 @@ class ContestView:
             f"With velocity noise {result['ratio']:.2g} times the pressure noise, at 0 dB, "
             f"averaged intensity errs by {one:.2f} times the bound and maximum likelihood by {other:.2f}."
         )
+
+
+def _two(value):
+    """Two significant digits, without powers of ten."""
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _plain(axis):

@@ -94,8 +94,29 @@ def test_the_window_view_hides_the_closed_form_until_asked():
     )
     view = doa_error_vs_snr.WindowView()
     assert "closed form" not in view.draw(result | dict(revealed=False))
-    assert np.isnan(view.total.get_ydata()).all()
+    assert np.isnan(view.total.get_ydata()).all() and not view.key.get_visible()
     assert "best window at 2.4 s" in view.draw(result | dict(revealed=True))
+    assert view.key.get_visible()
+
+
+def test_the_window_view_keeps_the_windows_tried_until_the_scene_changes():
+    windows = np.geomspace(0.05, 20, 9)
+    result = dict(noise=windows, lag=windows, total=windows, windows=windows, best=2.4, revealed=False)
+    view = doa_error_vs_snr.WindowView()
+    for window in (0.5, 1.0, 2.0):
+        view.draw(result | dict(window=window, measured=1 / window))
+    np.testing.assert_allclose(view.tried.get_xydata(), [[0.5, 2.0], [1.0, 1.0]])
+    view.draw(result | dict(window=4.0, measured=3.0, total=2 * windows))
+    assert view.tried.get_xydata().size == 0
+
+
+def test_the_regime_view_draws_no_bound_below_the_cliff():
+    curve = np.linspace(-21, 31, 53)
+    flat = np.ones(53)
+    view = doa_error_vs_snr.RegimeView()
+    result = dict(curve_db=curve, expected=flat, bound=flat, simple=flat, cliff_db=-6.0)
+    view.draw(result | dict(snr_db=np.arange(-20, 31, 5), measured=np.ones(11)))
+    assert view.bound.get_xdata().min() == -6.0 and "below -6 dB" in view.title.get_text()
 
 
 def test_the_overhead_and_contest_views_say_their_numbers():
