@@ -60,7 +60,7 @@ def main(arguments):
 
 
 def run(command):
-    """Become the command, so that signals reach it; where that cannot be, run it and return its exit status."""
+    """Become the command, so that signals reach it; else run it and return its exit status."""
     if os.name == "posix":
         os.chdir(ROOT)
         os.execv(command[0], command)

@@ -38,4 +38,5 @@ class PassingView:
         self.vessel.set_data([x], [y])
         self.dot.set_data([time], [distance])
         self.map_title.set_text(f"Bearing {bearing:.0f}°, distance {distance:.0f} m")
-        return f"After {time:.2f} s the vessel is {distance:.0f} m from the sensor, at a bearing of {bearing:.0f}°."
+        where = f"{distance:.0f} m from the sensor, at a bearing of {bearing:.0f}°"
+        return f"After {time:.2f} s the vessel is {where}."
