@@ -21,3 +21,8 @@ def source(cell):
 def code_cells(notebook):
     """The code cells that hold any code."""
     return [cell for cell in notebook["cells"] if cell["cell_type"] == "code" and source(cell).strip()]
+
+
+def count_labs(path):
+    """How many Labs a notebook shows."""
+    return sum(source(cell).count("Lab(") for cell in code_cells(read_notebook(path)))

@@ -8,16 +8,12 @@ import itertools
 from functools import cache
 
 import pytest
-from conftest import CHAPTERS, code_cells, read_notebook, source
+from conftest import CHAPTERS, count_labs
 
 from labsim.figures import displayed
 from labsim.lab import Lab
 
 STEPS = 40
-
-
-def lab_count(path):
-    return sum(source(cell).count("Lab(") for cell in code_cells(read_notebook(path)))
 
 
 @cache
@@ -46,7 +42,7 @@ def steps_of(lab):
 
 
 CASES = [
-    pytest.param(path, k, id=f"{path.stem}-{k + 1}") for path in CHAPTERS for k in range(lab_count(path))
+    pytest.param(path, k, id=f"{path.stem}-{k + 1}") for path in CHAPTERS for k in range(count_labs(path))
 ]
 
 
