@@ -31,8 +31,8 @@ class GateView:
         (self.gate,) = self.offsets.plot([], [], color=style.ORANGE, linestyle="--", label="gate of array 2")
         (self.bounds,) = self.offsets.plot([], [], color=style.PINK, linestyle="-.", label="range bounds")
         (self.dot,) = self.offsets.plot([], [], "o", color=style.GREEN, markersize=8, label="target")
-        self.offsets.axvline(0, color=style.BLUE, label="bearing at array 1")
-        self.offsets.set(xlim=(-32, 32), ylim=(0, 15), ylabel="range (km)")
+        self.offsets.axvline(0, color=style.BLUE, label="array 1")
+        self.offsets.set(xlim=(-48, 48), ylim=(0, 15), ylabel="range (km)")
         self.offsets.set_xlabel("bearing at array 2 minus bearing at array 1 (°)")
         self.offsets.legend(loc="upper left", fontsize=8)
         self.offsets_title = self.offsets.set_title(" ")
@@ -47,14 +47,15 @@ class GateView:
         self.curve.set_data(np.degrees(result["parallaxes"]), result["ranges"] / FAR)
         self.gate.set_data([left, left, np.nan, right, right], [0, 15, np.nan, 0, 15])
         low, up = result["low"] / FAR, min(result["up"] / FAR, 99)
-        self.bounds.set_data([-32, 32, np.nan, -32, 32], [low, low, np.nan, up, up])
+        self.bounds.set_data([-48, 48, np.nan, -48, 48], [low, low, np.nan, up, up])
         self.dot.set_data([own], [result["target_range"] / FAR])
-        self.map_title.set_text(f"The gate reaches {left:+.1f}° and {right:+.1f}°".replace("-", "−"))
+        edges = f"{_side(left)} to {_side(right)}"
+        self.map_title.set_text(f"Gate: {edges}")
         self.offsets_title.set_text("The target is inside" if inside else "The target is outside")
         return (
-            f"The gate of array 2 reaches {-left:.1f}° counter-clockwise and {right:.1f}° clockwise of the "
-            f"bearing at array 1; the target, {result['target_range'] / FAR:.1f} km away, is seen "
-            f"{own:+.1f}° from it, {'inside' if inside else 'outside'} the gate."
+            f"The gate of array 2 runs from {edges} of the bearing at array 1; the target, "
+            f"{result['target_range'] / FAR:.1f} km away, is seen {_side(own)} from it, "
+            f"{'inside' if inside else 'outside'} the gate."
         )
 
     def _draw_map(self, result):
@@ -191,6 +192,50 @@ class GateTimeView:
         )
 
 
+class TwoGatesView:
+    """Both torpedoes' gates over time, the minimum-range gate above (figure 7), the range-bounded below (8).
+
+    Draws a dict with time (n,), s; second (n, sources), radians; gates, a dict from kind to (lower, upper),
+    each (n, sources), radians.
+    """
+
+    def __init__(self):
+        self.figure = style.figure(9.2, 6.4)
+        self.axes = self.figure.subplots(2, 1, sharex=True)
+        for axes in self.axes:
+            axes.set(xlim=(-4, 364), ylim=(-20, 170), ylabel="bearing at array 2 (°)")
+        self.axes[1].set_xlabel("time (s)")
+
+    def draw(self, result):
+        """Draw the gates; return the sentence."""
+        time, second = result["time"], np.degrees(result["second"])
+        said = []
+        for axes, (kind, gate) in zip(self.axes, result["gates"].items(), strict=True):
+            axes.plot(time, second[:, 2:], ".", color=style.GREY, markersize=3, label="boats")
+            inside = []
+            for torpedo, (colour, line, marker) in zip((0, 1), style.LINES, strict=False):
+                lower, upper, own = (
+                    np.degrees(gate[0])[:, torpedo],
+                    np.degrees(gate[1])[:, torpedo],
+                    second[:, torpedo],
+                )
+                name = SOURCE_NAMES[torpedo]
+                axes.plot(time, lower, color=colour, linestyle=line, linewidth=1)
+                axes.plot(time, upper, color=colour, linestyle=line, linewidth=1, label=f"gate of {name}")
+                axes.plot(time, own, marker, color=colour, markersize=3, label=name)
+                lost = (own < lower) | (own > upper)
+                axes.plot(
+                    time[lost], own[lost], "x", color=style.BLACK, markersize=6, label="outside its gate"
+                )
+                inside.append(1 - lost[time >= 200].mean())
+            shares = f"{inside[0]:.0%} and {inside[1]:.0%}"
+            axes.set_title(f"{kind.capitalize()}: after 200 s the gates hold {shares} of their bearings")
+            said.append(f"{shares} with the gate from {kind}")
+        handles = dict(zip(*self.axes[0].get_legend_handles_labels()[::-1], strict=True))
+        self.axes[0].legend(handles.values(), handles.keys(), loc="lower left", ncols=3, fontsize=8)
+        return f"Own bearings of torpedo 1 and torpedo 2 inside their gates after 200 s: {'; '.join(said)}."
+
+
 class CoverageView:
     """Where the own bearing falls, against the gate, and the probability that the gate holds it.
 
@@ -203,7 +248,7 @@ class CoverageView:
         self.bell, self.reach = self.figure.subplots(1, 2)
         (self.density,) = self.bell.plot([], [], color=style.BLUE, label="own bearing at array 2")
         (self.gate,) = self.bell.plot([], [], color=style.ORANGE, linestyle="--", label="gate")
-        self.bell.set(xlim=(-25, 45), ylim=(0, 0.11), ylabel="probability density (1/°)")
+        self.bell.set(xlim=(-25, 45), ylim=(0, 0.13), ylabel="probability density (1/°)")
         self.bell.set_xlabel("bearing at array 2 minus bearing at array 1 (°)")
         self.bell.legend(loc="upper right", fontsize=8)
         (self.curve,) = self.reach.plot([], [], color=style.BLUE, label="own bearing in the gate")
@@ -222,15 +267,13 @@ class CoverageView:
         """Draw the bell and the curve; return the sentence."""
         left, right = np.degrees([result["lower"], result["upper"]])
         self.density.set_data(np.degrees(result["offsets"]), np.radians(result["density"]))
-        self.gate.set_data([left, left, np.nan, right, right], [0, 1, np.nan, 0, 1])
+        self.gate.set_data([left, left, np.nan, right, right], [0, 0.1, np.nan, 0, 0.1])
         self.curve.set_data(result["ranges"] / FAR, result["coverages"])
         self.premise.set_data([0, 15], [result["both_within"]] * 2)
         self.limit.set_data([result["low"] / FAR] * 2, [0, 2])
         self.dot.set_data([result["target_range"] / FAR], [result["coverage"]])
         self.bell_title.set_text(f"{result['coverage']:.0%} of the bell lies in the gate")
-        self.reach_title.set_text(
-            f"Both errors within {result['bounds']:g}σ: only {result['both_within']:.0%}"
-        )
+        self.reach_title.set_text(f"Both errors within {result['bounds']:g}σ: {result['both_within']:.0%}")
         return (
             f"A target {result['target_range'] / FAR:.1f} km away has its own bearing in the gate of "
             f"{result['bounds']:g}-sigma bounds with probability {result['coverage']:.2f}; both errors are "
@@ -285,12 +328,11 @@ class PairingView:
             lines.set_data(*_segments(*ends))
         heard = np.count_nonzero(result["first_source"] >= 0)
         correct = int(round(result["rates"]["correct"] * heard))
-        ghosts = np.count_nonzero(~right)
-        self.title.set_text(f"{correct} of {heard} sources paired with themselves, {ghosts} ghosts")
-        return (
-            f"{correct} of the {heard} sources that array 1 heard are paired with their own bearing; "
-            f"{ghosts} pairs are wrong, each a ghost on the map."
-        )
+        wrong = np.count_nonzero(~right)
+        pairs = "1 wrong pair" if wrong == 1 else f"{wrong} wrong pairs"
+        self.title.set_text(f"{correct} of {heard} sources paired with themselves, {pairs}")
+        sources = "1 source" if heard == 1 else f"{heard} sources"
+        return f"Of {sources} that array 1 heard, {correct} found their own bearing; the rule makes {pairs}."
 
 
 class RulesView:
@@ -387,6 +429,14 @@ class TracksView:
 
 def _point(angle, length):
     return length * np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+
+
+def _side(degrees):
+    """An offset in words: "6.0° counter-clockwise"."""
+    size = round(abs(float(degrees)), 1)
+    return (
+        f"{size:.1f}°" if size == 0 else f"{size:.1f}° {'clockwise' if degrees > 0 else 'counter-clockwise'}"
+    )
 
 
 def _segments(x0, y0, x1, y1):

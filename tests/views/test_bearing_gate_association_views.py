@@ -48,7 +48,12 @@ def pairs(partner=(0, 1, 2)):
         (views.GateView, gate(), gate(-40, 2_000.0, 20.0), ("6.0° counter-clockwise", "11.1° clockwise")),
         (views.GateTimeView, over_time(), over_time(20.0), ("torpedo 2", "100% of the scans before 100 s")),
         (views.CoverageView, covered(), covered(0.5), ("12.0 km", "probability 0.97", "0.47")),
-        (views.PairingView, pairs(), pairs((1, 0, -1)), ("2 of the 2 sources", "0 pairs are wrong")),
+        (
+            views.PairingView,
+            pairs(),
+            pairs((1, 0, -1)),
+            ("Of 2 sources", "2 found their own bearing", "0 wrong pairs"),
+        ),
     ],
 )
 def test_sentences_follow_the_result_and_steps_keep_the_background(view, one, other, words):
@@ -67,8 +72,28 @@ def test_a_target_outside_its_gate_is_said_to_be_outside():
     assert "inside the gate" in view.draw(gate(own_deg=-5.0))
 
 
-def test_wrong_pairs_are_counted_as_ghosts():
-    assert "2 pairs are wrong" in views.PairingView().draw(pairs((1, 0, -1)))
+def test_wrong_pairs_are_counted_in_good_english():
+    assert "makes 2 wrong pairs." in views.PairingView().draw(pairs((1, 0, -1)))
+    assert "makes 1 wrong pair." in views.PairingView().draw(pairs((0, 2, -1)))
+
+
+def test_edges_are_said_with_their_side_and_nothing_is_minus_zero():
+    gate_ahead = gate(own_deg=-1e-9) | dict(lower=np.radians(2.4), upper=np.radians(9.0))
+    said = views.GateView().draw(gate_ahead)
+    assert "runs from 2.4° clockwise to 9.0° clockwise" in said and "is seen 0.0° from it, outside" in said
+
+
+def test_both_torpedoes_gates_are_counted_apart():
+    second = np.radians(np.full((TIME.size, 4), 90.0))
+    width = np.radians([5.0, 5.0, 5.0, 5.0])
+    late = np.radians(20.0) * (TIME > 280)[:, None] * [0, 1, 0, 0]
+    gates = {
+        "minimum range": (second + late - width, second + late + width),
+        "range bounds": (second - 1, second + 1),
+    }
+    said = views.TwoGatesView().draw(dict(time=TIME, second=second, gates=gates))
+    share = np.mean(TIME[TIME >= 200] <= 280)
+    assert f"100% and {share:.0%} with the gate from minimum range; 100% and 100% with" in said
 
 
 def test_bars_name_the_best_rule_of_each_condition():
