@@ -185,7 +185,8 @@ def main(modules):
         skip = shutil.ignore_patterns("__pycache__", ".*", "*.ipynb")
         for part in ("labsim", "tests", "notebooks"):
             shutil.copytree(ROOT / part, copy / part, ignore=skip)
-        shutil.copy(ROOT / "pyproject.toml", copy)
+        for part in ("pyproject.toml", "README.md"):
+            shutil.copy(ROOT / part, copy)
         for module in modules or MUTANTS:
             failures += check_module(copy, module)
     print(f"{failures} to look at" if failures else "every mutant was caught")
@@ -196,8 +197,9 @@ def check_module(copy, module):
     """Report on each mutant of a module and return how many are not as they should be."""
     path = copy / "labsim" / f"{module}.py"
     whole = path.read_text(encoding="utf-8")
-    if not passes(copy, module):
-        print(f"{module}: its tests fail before anything is broken", flush=True)
+    failure = failed(copy, module)
+    if failure:
+        print(f"{module}: its tests fail before anything is broken:\n{failure}", flush=True)
         return 1
     failures = 0
     for number, (old, new) in enumerate(MUTANTS[module], 1):
@@ -205,24 +207,26 @@ def check_module(copy, module):
             result = f"NOT FOUND ONCE, but {whole.count(old)} times"
         else:
             path.write_text(whole.replace(old, new), encoding="utf-8")
-            result = "SURVIVED" if passes(copy, module) else "caught"
+            result = "caught" if failed(copy, module) else "SURVIVED"
         failures += result != "caught"
         print(f"{module} {number}: {result}: {old}  ->  {new}", flush=True)
     path.write_text(whole, encoding="utf-8")
     return failures
 
 
-def passes(copy, module):
-    """Whether a module's tests pass on the copy; tests that take too long do not."""
+def failed(copy, module):
+    """The end of pytest's report where a module's tests fail on the copy, or an empty text."""
     names = [f"test_{module}.py", f"test_more_{module}.py", *MORE_TESTS.get(module, [])]
     files = [str(path) for name in names if (path := copy / "tests" / name).exists()]
     environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-m", "pytest", "-x", "-q", "-o", "addopts=", "-p", "no:cacheprovider", *files]
     try:
-        done = subprocess.run(command, cwd=copy, env=environment, capture_output=True, timeout=LIMIT)
+        done = subprocess.run(
+            command, cwd=copy, env=environment, capture_output=True, text=True, timeout=LIMIT
+        )
     except subprocess.TimeoutExpired:
-        return False
-    return done.returncode == 0
+        return f"no end within {LIMIT} s"
+    return (done.stdout[-1000:] or "no report") if done.returncode else ""
 
 
 if __name__ == "__main__":
