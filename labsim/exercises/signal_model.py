@@ -5,10 +5,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from labsim.checks import check_choice, check_number
+from labsim.checks import check_number
 from labsim.vector_sensor import PassingVessel, closest_approach, geometry, snr
-
-LEVERS = ("depth", "speed", "heading")
 
 
 def times_farther(answer):
@@ -20,20 +18,33 @@ def times_farther(answer):
         expected,
         0.05,
         "the SNR falls by 20 log10 of the ratio of the distances; read both ends of the curve",
-        [(expected**2, "that is the ratio of the powers; the pressure falls as 1/r, so power falls as 1/r²")],
+        [
+            (
+                expected**2,
+                "that is the ratio of the powers; the pressure falls as 1/r, so power falls as 1/r²",
+            ),
+            (1 / expected, "the other way round: the distance at the end over the closest one"),
+        ],
     )
 
 
-def changes_the_width_alone(answer):
-    """Which lever makes the SNR curve wider or narrower and leaves its peak alone."""
-    hint = "set every slider back, then move one at a time, and watch the two numbers in the title"
-    return check_choice(answer, "speed", LEVERS, hint)
+def peak_at_twice_the_range(answer):
+    """Change of the peak of the SNR curve, dB, when closest slant range and speed both double."""
+    expected = -20 * np.log10(2)
+    mistakes = [
+        (-10 * np.log10(2), "pressure falls as 1/r, so power falls as 1/r²"),
+        (-expected, "farther away is fainter: mind the sign"),
+    ]
+    return check_number(answer, expected, 0.03, "the peak is as 1/h²; speed has no part in it", mistakes)
 
 
-def changes_nothing(answer):
-    """Which lever leaves the SNR curve as it is."""
-    hint = "the closest distance has its own slider: which of the three only turns the picture?"
-    return check_choice(answer, "heading", LEVERS, hint)
+def width_at_twice_range_and_speed(answer):
+    """Factor of the width of the SNR curve when closest slant range and speed both double."""
+    mistakes = [
+        (2.0, "a wider pass, yes; but the vessel also runs through it twice as fast"),
+        (0.5, "twice as fast, yes; but the way within 3 dB of the peak is twice as long"),
+    ]
+    return check_number(answer, 1.0, 0.03, "the width is as h / v", mistakes)
 
 
 def level_span_db(vessel):

@@ -5,7 +5,8 @@ import numpy as np
 from labsim.views import style
 
 MAP_LIMITS = {"xlim": (-420, 620), "ylim": (-400, 400)}
-ZOOM = 12.0
+ZOOM = 40.0
+ROUND = 0.8
 
 
 class RecordView:
@@ -59,7 +60,7 @@ class HodographView:
     """Velocity against velocity, and pressure times velocity, over half a second.
 
     Draws a dict with `velocity` (n, 3), `pressure` (n,), `axis` (rad, long axis of the cloud, either end),
-    `estimate` and `truth` (azimuths, rad).
+    `slim` (short over long axis of the cloud), `estimate` and `truth` (azimuths, rad).
     """
 
     def __init__(self):
@@ -93,9 +94,13 @@ class HodographView:
         for ray in self.truths:
             ray.set_data(*(_along(result["truth"]) * [0, 6]))
         one, estimate, truth = np.degrees([result["axis"], result["estimate"], result["truth"]]) % 360
+        one = round(one) % 180
+        cloud = f"The velocities line up along {one}° or {one + 180}°"
+        if result["slim"] > ROUND:
+            cloud = "The cloud is a disc: no direction can be read from it"
         return (
-            f"The velocities line up along {one % 180:.0f}° or {one % 180 + 180:.0f}°; with pressure "
-            f"the sensor decides for {estimate:.1f}°, and the vessel is heard from {truth:.1f}°."
+            f"{cloud}; with pressure the sensor decides for {estimate:.1f}°, "
+            f"and the vessel is heard from {truth:.1f}°."
         )
 
 
@@ -120,6 +125,7 @@ class RetardationView:
         self.map_title = self.map.set_title("You hear where it was")
         self.zoom = self.map.inset_axes((0.6, 0.04, 0.38, 0.36), xlim=(-ZOOM, ZOOM), ylim=(-ZOOM, ZOOM))
         self.zoom.set(xticks=[], yticks=[])
+        self.zoom.spines[:].set_visible(True)
         self.zoom.set_title(f"{2 * ZOOM:.0f} m about the vessel", fontsize=9, fontweight="normal")
         (self.near_now,) = self.zoom.plot(0, 0, "s", color=style.ORANGE, markersize=9)
         self.near_now.set(markerfacecolor="none", markeredgewidth=2)
@@ -171,15 +177,15 @@ class LevelView:
         (self.track,) = self.map.plot([], [], "-", color=style.BLUE, label="this track")
         (self.begin,) = self.map.plot([], [], "o", color=style.BLUE, markersize=7, label="where it begins")
         self.map.set(xlabel="x (m)", ylabel="y (m)", aspect="equal", **MAP_LIMITS)
-        self.map.legend(loc="lower right", ncols=2)
         self.map.set_title("One minute, seen from above")
         self.curve.plot(
             reference["time"], reference["snr_db"], "--", color=style.ORANGE, label="the paper's vessel"
         )
         (self.line,) = self.curve.plot([], [], "-", color=style.BLUE, label="this vessel")
         (self.mark,) = self.curve.plot([], [], "v", color=style.BLACK, label="closest approach")
-        self.curve.set(xlabel="time (s)", ylabel="SNR (dB)", xlim=(0, 60), ylim=(-12, 32))
-        self.curve.legend(loc="upper right")
+        self.curve.set(xlabel="time (s)", ylabel="SNR (dB)", xlim=(0, 60), ylim=(-12, 42))
+        handles, names = (sum(both, []) for both in zip(*_legends(self.map, self.curve), strict=True))
+        self.figure.legend(handles, names, loc="outside lower center", ncols=4)
         self.title = self.curve.set_title("Loudness is distance")
         style.animate(self.track, self.begin, self.line, self.mark, self.title)
 
@@ -222,12 +228,19 @@ class EdgeView:
         self.line.set_data(result["frequency"], result["level_db"])
         self.mark.set_data([result["edge"]] * 2, [-40, 8])
         shift = result["edge"] - self.edge
-        way = "coming closer" if result["range_rate"] < 0 else "going away"
-        self.title.set_text(f"After {result['moment']:.0f} s Doppler has moved the edge by {shift:+.1f} Hz")
+        speed = abs(result["range_rate"])
+        way = f"is {'coming closer' if result['range_rate'] < 0 else 'going away'} at {speed:.1f} m/s"
+        if speed < 0.05:
+            way = "keeps its distance"
+        self.title.set_text(f"After {result['moment']:.1f} s Doppler has moved the edge by {shift:+.1f} Hz")
         return (
-            f"After {result['moment']:.0f} s the vessel is {way} at {abs(result['range_rate']):.1f} m/s, "
+            f"After {result['moment']:.1f} s the vessel {way}, "
             f"and the edge of its band is heard at {result['edge']:.1f} Hz."
         )
+
+
+def _legends(*panels):
+    return [panel.get_legend_handles_labels() for panel in panels]
 
 
 def _along(angle):

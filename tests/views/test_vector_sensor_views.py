@@ -39,11 +39,20 @@ def test_the_hodograph_points_to_the_estimate_and_its_opposite():
     rng = np.random.default_rng(1)
     signal = rng.standard_normal(500)
     result = dict(
-        velocity=signal[:, None] * [0.6, 0.8, 0], pressure=signal, axis=0.9273, estimate=0.9273, truth=0.93
+        velocity=signal[:, None] * [0.6, 0.8, 0],
+        pressure=signal,
+        axis=0.9273,
+        estimate=0.9273,
+        truth=0.93,
+        slim=0.0,
     )
     view = signal_model.HodographView()
     sentence = view.draw(result)
     assert "53° or 233°" in sentence and "decides for 53.1°" in sentence
+    assert "disc" in view.draw(result | dict(slim=0.9)) and "line up" not in view.draw(
+        result | dict(slim=0.9)
+    )
+    assert "along 0° or 180°" in view.draw(result | dict(axis=np.pi - 1e-4))
     end = view.ray.get_xydata()[-1]
     np.testing.assert_allclose(end / np.linalg.norm(end), [0.6, 0.8], atol=1e-3)
 
@@ -65,6 +74,7 @@ def test_the_edge_view_tells_coming_from_going():
     view = signal_model.EdgeView(800)
     assert "going away at 11.2 m/s" in view.draw(result)
     assert "coming closer" in view.draw(result | dict(range_rate=-3.0))
+    assert "keeps its distance" in view.draw(result | dict(range_rate=0.0))
 
 
 def test_the_error_view_marks_the_least_expected_error():
