@@ -5,7 +5,7 @@ import numpy as np
 from labsim.views import style
 
 MAP_LIMITS = {"xlim": (-420, 620), "ylim": (-400, 400)}
-ZOOM = 40.0
+ZOOM = 16.0
 ROUND = 0.8
 
 
@@ -120,7 +120,7 @@ class RetardationView:
         self.now.set(markerfacecolor="none", markeredgewidth=2)
         (self.heard,) = self.map.plot([], [], "o", color=style.BLUE, markersize=5, label="is heard")
         (self.path,) = self.map.plot([], [], "--", color=style.BLUE, linewidth=1)
-        self.map.set(xlabel="x (m)", ylabel="y (m)", aspect="equal", **MAP_LIMITS)
+        self.map.set(xlabel="x (m)", ylabel="y (m)", aspect="equal", xlim=(-420, 980), ylim=(-640, 400))
         self.map.legend(loc="lower left")
         self.map_title = self.map.set_title("You hear where it was")
         self.zoom = self.map.inset_axes((0.6, 0.04, 0.38, 0.36), xlim=(-ZOOM, ZOOM), ylim=(-ZOOM, ZOOM))
@@ -172,9 +172,9 @@ class LevelView:
     def __init__(self, reference):
         self.figure = style.figure(9, 4.2)
         self.map, self.curve = self.figure.subplots(1, 2, width_ratios=(6, 5))
-        self.map.plot(*reference["track"].T, "--", color=style.ORANGE, label="the paper's track")
+        self.map.plot(*reference["track"].T, "--", color=style.ORANGE, label="the paper's vessel")
         self.map.plot(0, 0, "^", color=style.BLACK, markersize=9, label="sensor")
-        (self.track,) = self.map.plot([], [], "-", color=style.BLUE, label="this track")
+        (self.track,) = self.map.plot([], [], "-", color=style.BLUE, label="this vessel")
         (self.begin,) = self.map.plot([], [], "o", color=style.BLUE, markersize=7, label="where it begins")
         self.map.set(xlabel="x (m)", ylabel="y (m)", aspect="equal", **MAP_LIMITS)
         self.map.set_title("One minute, seen from above")
@@ -184,8 +184,10 @@ class LevelView:
         (self.line,) = self.curve.plot([], [], "-", color=style.BLUE, label="this vessel")
         (self.mark,) = self.curve.plot([], [], "v", color=style.BLACK, label="closest approach")
         self.curve.set(xlabel="time (s)", ylabel="SNR (dB)", xlim=(0, 60), ylim=(-12, 42))
-        handles, names = (sum(both, []) for both in zip(*_legends(self.map, self.curve), strict=True))
-        self.figure.legend(handles, names, loc="outside lower center", ncols=4)
+        handles, names = self.map.get_legend_handles_labels()
+        self.figure.legend(
+            [*handles, self.mark], [*names, "closest approach"], loc="outside lower center", ncols=5
+        )
         self.title = self.curve.set_title("Loudness is distance")
         style.animate(self.track, self.begin, self.line, self.mark, self.title)
 
@@ -237,10 +239,6 @@ class EdgeView:
             f"After {result['moment']:.1f} s the vessel {way}, "
             f"and the edge of its band is heard at {result['edge']:.1f} Hz."
         )
-
-
-def _legends(*panels):
-    return [panel.get_legend_handles_labels() for panel in panels]
 
 
 def _along(angle):
