@@ -182,7 +182,7 @@ class _Painter:
 
 def _png(image, colours=None, compression=1):
     if colours:
-        image = image.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        image = image.quantize(colours, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
     image.save(buffer, format="png", compress_level=compression)
     return buffer.getvalue()
