@@ -22,6 +22,8 @@ from labsim.arguments import (
 )
 from labsim.noise import TAPS, band_noise, sample_at
 
+READINGS = 200_000
+
 
 @dataclass(frozen=True)
 class Pair:
@@ -175,7 +177,7 @@ def source_signals(rng, pair, delays, trials=1, power=1.0):
     for hydrophone, delay in enumerate(delays):
         if np.any(delay):
             time = (np.arange(samples) + margin) / pair.sample_rate - delay
-            reading = sample_at(signal, pair.sample_rate, np.broadcast_to(time, (trials, samples)))
+            reading = _read_in_parts(signal, pair.sample_rate, time)
         else:
             reading = signal[:, margin : margin + samples]
         heard[:, hydrophone] = amplitude * reading
@@ -373,6 +375,16 @@ def _curve_and_noise_scales(pair):
     """Height of the sine of the true slope, for a power of 1, and deviation of the noise in one step."""
     height = 2 * (1 + np.sinc(pair.bandwidth / (2 * pair.centre_frequency))) / pair.angular_frequency
     return height, np.sqrt(_noise_scale(pair) / pair.step)
+
+
+def _read_in_parts(signal, sample_rate, time):
+    """`sample_at` for (trials, n) signals at the same times (m,), some at a time to spare memory."""
+    result = np.empty((len(signal), time.size))
+    length = max(1, READINGS // len(signal))
+    for first in range(0, time.size, length):
+        part = np.broadcast_to(time[first : first + length], (len(signal), time[first : first + length].size))
+        result[:, first : first + length] = sample_at(signal, sample_rate, part)
+    return result
 
 
 def _turned(pair, waveform):

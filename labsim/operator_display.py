@@ -97,9 +97,9 @@ def simulate_record(rng, scenario, target_delays, false_delays):
         false_power = pair.signal_power * scenario.false_power
         delays = _at_hydrophones(false_delays, time)[:, crossing]
         heard[:, :, crossing] += source_signals(rng, pair, delays, power=false_power)
-    h1, h2, h3 = heard[0] + hydrophone_noise(rng, pair, heard.shape)[0]
+    heard += hydrophone_noise(rng, pair, heard.shape)
     shortest, longest = np.min(target_delays) - ROOM, np.max(target_delays) + ROOM
-    steps = correlogram(pair, np.stack([h1, h2]), np.stack([h2, h3]), shortest, longest)
+    steps = correlogram(pair, heard[0, :2], heard[0, 1:], shortest, longest)
     step_time = (np.arange(steps.quadrature.shape[1]) + 0.5) * pair.step
     seconds = Correlogram(steps.lags, _by_second(steps.quadrature, pair), _by_second(steps.in_phase, pair))
     return DisplayRecord((np.arange(seconds.quadrature.shape[1]) + 0.5) * BIN, step_time, steps, seconds)

@@ -60,7 +60,8 @@ class ResponseView:
     """A loop answering a jump or a ramp of the delay.
 
     Draws a dict with `time` (n,), s; `truth`, `theory`, `mean` (n,), s; `trials` (n, m), s;
-    `time_constant`, s; `left`, the mean error at the end, s; `jitter`, s.
+    `time_constant`, s; `left`, the mean error at the end, s; `jitter`, s; `astray`, the share of loops
+    that ended nearer to another period.
     """
 
     def __init__(self, result):
@@ -81,7 +82,7 @@ class ResponseView:
         (self.truth,) = axes.plot(time, 0 * time, color=style.BLACK, linestyle=":", label="true delay")
         (self.mean,) = axes.plot(time, 0 * time, color=style.BLUE, linestyle="-", label="mean of many loops")
         (self.theory,) = axes.plot(time, 0 * time, color=style.ORANGE, linestyle="--", label="theory")
-        axes.set(xlim=(0, time[-1]), ylim=(-60, 330), xlabel="time (s)", ylabel="delay (µs)")
+        axes.set(xlim=(0, time[-1]), ylim=(-60, 345), xlabel="time (s)", ylabel="delay (µs)")
         axes.legend(loc="upper left", ncols=2)
         self.title = axes.set_title("")
         style.animate(*self.trials, self.truth, self.mean, self.theory, self.title)
@@ -92,11 +93,15 @@ class ResponseView:
             line.set_ydata(US * trial)
         for line, name in ((self.truth, "truth"), (self.mean, "mean"), (self.theory, "theory")):
             line.set_ydata(US * result[name])
+        lowest = min(US * np.min(result["trials"]), US * np.min(result["mean"]))
+        limits = (-60, 345) if lowest > -60 else (-420, 420)
+        if self.mean.axes.get_ylim() != limits:
+            self.mean.axes.set_ylim(limits)
         left, jitter = round(US * result["left"]), round(US * result["jitter"])
         self.title.set_text(f"At the end the loop is {left} µs behind and jitters by {jitter} µs")
         return (
             f"With a time constant of {result['time_constant']:.2f} s the loop ends {left} µs behind the "
-            f"true delay on average, and single loops scatter by {jitter} µs."
+            f"true delay on average, and single loops scatter by {jitter} µs{_astray(result['astray'])}."
         )
 
 
@@ -104,7 +109,8 @@ class TuningView:
     """One knob, two errors: lag and jitter against the time constant.
 
     Draws a dict with `constants` (n,), s; `lags`, `jitters`, `totals` (n,), s, theory; `revealed`;
-    `time_constant`, `best`, s; `lag`, `jitter3`, `total`, s, measured; `least`, s, theory.
+    `time_constant`, `best`, s; `lag`, `jitter3`, `total`, s, measured; `least`, s, theory; `astray`, the
+    share of loops that ended nearer to another period.
     """
 
     def __init__(self, result):
@@ -131,15 +137,20 @@ class TuningView:
             line.set_visible(result["revealed"])
         at = [result["time_constant"]]
         for dot, name in ((self.lag, "lag"), (self.jitter, "jitter3"), (self.total, "total")):
-            dot.set_data(at, [US * result[name]])
+            dot.set_data(at, [np.clip(US * result[name], 3.3, 550)])
         lag, jitter, total = (US * result[name] for name in ("lag", "jitter3", "total"))
         self.title.set_text(f"Lag {lag:.0f} µs + 3 σ {jitter:.0f} µs = {total:.0f} µs")
         sentence = (
             f"At {at[0]:.2f} s the lag is {lag:.0f} µs and three sigma {jitter:.0f} µs, {total:.0f} µs in all"
+            + _astray(result["astray"])
         )
         if not result["revealed"]:
             return sentence + "."
         return sentence + f"; theory's best is {US * result['least']:.0f} µs at {result['best']:.2f} s."
+
+
+def _astray(share):
+    return f"; {100 * share:.0f} % of the loops have gone astray to another period" if share > 0 else ""
 
 
 class ManoeuvreView:
@@ -220,7 +231,7 @@ class CaptureView:
     """A second source crosses the target's delay.
 
     Draws a dict with `time` (n,), s; `crossing` (n,), s; `delays` (n, trials), s; `captured`, share;
-    `power`, P_U / P_T; `speed`, s/s.
+    `power`, P_U / P_T; `speed`, s/s; `period`, 1 / f0, s.
     """
 
     def __init__(self, result):
@@ -229,14 +240,15 @@ class CaptureView:
         (self.loops,) = axes.plot(
             [], [], color=style.BLUE, linestyle="-", linewidth=0.8, label="single loops"
         )
-        axes.axhline(0, color=style.BLACK, linestyle=":", label="target")
+        axes.axhline(0, color=style.BLACK, linestyle="-.", label="target")
         (self.other,) = axes.plot([], [], color=style.ORANGE, linestyle="--", label="false source")
-        axes.set(xlim=(-1, 1), ylim=(-1000, 1000))
+        (self.stripe,) = axes.plot([], [], color=style.ORANGE, linestyle=":", label="its neighbouring stripe")
+        axes.set(xlim=(-1, 1), ylim=(-1000, 1750))
         axes.set(xlabel="time, from first hearing the false source to its leaving", ylabel="delay (µs)")
         axes.set_xticks([-1, 0, 1], ["start", "crossing", "end"])
         axes.legend(loc="upper left")
         self.title = axes.set_title("")
-        style.animate(self.loops, self.other, self.title)
+        style.animate(self.loops, self.other, self.stripe, self.title)
 
     def draw(self, result):
         """Draw the loops between both sources."""
@@ -245,6 +257,7 @@ class CaptureView:
         values = np.concatenate([US * result["delays"], gap]).T.ravel()
         self.loops.set_data(np.tile(np.append(scaled, np.nan), result["delays"].shape[1]), values)
         self.other.set_data(scaled, US * result["crossing"])
+        self.stripe.set_data(scaled, US * (result["crossing"] + result["period"]))
         self.title.set_text(f"{100 * result['captured']:.0f} % of the loops are led away")
         return (
             f"A source with {result['power']:.1f} times the target's power crosses at "
@@ -434,20 +447,21 @@ class OperatorView:
     @staticmethod
     def _sentence(result):
         reading = result["reading"]
-        wander = [
-            US * np.sqrt(np.nanmean(p[reading.keep] ** 2)) if reading.keep.any() else np.nan
-            for p in result["picks"]
-        ]
         kept = np.count_nonzero(reading.keep)
         says = "no range" if np.isnan(reading.target_range) else f"{reading.target_range / 1e3:.2f} km"
         sentence = (
-            f"The dots lie {wander[0]:.0f} µs (1-2) and {wander[1]:.0f} µs (2-3) from your lines; {kept} "
-            f"of {reading.keep.size} s are kept and their line says {says}; you read "
+            f"{kept} of {reading.keep.size} s are kept and their line says {says}; you read "
             f"{result['read_off'] / 1e3:.2f} km."
         )
+        if kept:
+            first, second = (US * np.sqrt(np.nanmean(p[reading.keep] ** 2)) for p in result["picks"])
+            sentence = (
+                f"The dots lie {first:.0f} µs (1-2) and {second:.0f} µs (2-3) from your lines; {sentence}"
+            )
         if not result["revealed"]:
             return sentence
         scores = "; ".join(
-            f"{name} {round(100 * error, 1) + 0.0:+.1f} %" for name, error in result["scores"].items()
+            f"{name} " + ("no range" if np.isnan(error) else f"{round(100 * error, 1) + 0.0:+.1f} %")
+            for name, error in result["scores"].items()
         )
         return f"{sentence} The truth is {result['truth'] / 1e3:.2f} km. Errors: {scores}."

@@ -21,6 +21,12 @@ def percent(error):
     return f"{round(100 * error, 1) + 0.0:+.1f} %" if abs(error) < 1 else f"{100 * error:+.0f} %"
 
 
+def _reach(put, get, limits):
+    """Set an axis' limits, but only when they change: that costs a new background."""
+    if tuple(get()) != tuple(limits):
+        put(limits)
+
+
 class WavefrontView:
     """The wave across the array, to scale and with the bend magnified.
 
@@ -64,7 +70,9 @@ class WavefrontView:
         self.wave.set_data(result["along"], 100 * result["bend"])
         self.read.set_data(result["along"], believed)
         self.dots.set_data([-spacing, 0, spacing], [outer, -shift, outer])
+        _reach(self.close.set_ylim, self.close.get_ylim, (-14, 70) if outer < 60 else (-28, 140))
         error = percent(result["estimate"] / result["target_range"] - 1)
+        error = "none can be given, it seems to lie behind" if error == "behind" else error
         self.title.set_text(f"Magnified: {outer:.1f} cm of bend")
         return (
             f"The wave of a target at {result['target_range'] / 1000:.1f} km bends by {outer:.1f} cm over "
@@ -182,6 +190,8 @@ class BudgetView:
     `error`, relative; `causes`, a dict from name to relative error, always the same names.
     """
 
+    REACH = (40, 100, 400)
+
     def __init__(self, result):
         self.figure = style.figure(9, 3.9)
         self.curve, self.bars = self.figure.subplots(1, 2, width_ratios=(3, 2))
@@ -207,7 +217,7 @@ class BudgetView:
         self.curve.legend(loc="upper left")
         names = list(result["causes"])
         self.patches = self.bars.barh(names, np.zeros(len(names)), color=style.BLUE, height=0.6)
-        self.bars.set(xlim=(-30, 30), xlabel="range error from this alone (%)")
+        self.bars.set(xlim=(-40, 40), xlabel="range error from this alone (%)")
         self.bars.axvline(0, color=style.BLACK, linewidth=1)
         self.bars.invert_yaxis()
         self.bars.set_title("One cause at a time")
@@ -221,6 +231,10 @@ class BudgetView:
         self.upper.set_ydata(exact + 100 * result["jitter"] * (1 + exact / 100))
         self.lower.set_ydata(exact - 100 * result["jitter"] * (1 + exact / 100))
         self.dot.set_data([result["target_range"] / 1000], [100 * result["error"]])
+        size = np.nan_to_num(abs(100 * result["error"]), nan=0, posinf=0)
+        reach = next((limit for limit in self.REACH if size < limit), self.REACH[-1])
+        _reach(self.curve.set_ylim, self.curve.get_ylim, (-reach, reach))
+        _reach(self.bars.set_xlim, self.bars.get_xlim, (-reach, reach))
         for patch, error in zip(self.patches, result["causes"].values(), strict=True):
             patch.set_width(100 * np.nan_to_num(error, nan=10, posinf=10))
         worst = max(
@@ -266,9 +280,10 @@ class AveragingView:
             f"Averaging range reads {100 * bias:+.1f} %, averaging curvature {100 * right:+.1f} %"
         )
         return (
-            f"With {100 * result['noise']:.0f} % noise on each curvature and {result['samples']} readings "
-            f"averaged, the median average of range is {100 * bias:+.1f} % off and that of curvature "
-            f"{100 * right:+.1f} %; {100 * wild:.1f} % of the averages of range miss by more than half."
+            f"With {100 * result['noise']:.0f} % noise on each curvature and {result['samples']} "
+            f"reading{'' if result['samples'] == 1 else 's'} averaged, the "
+            f"median average of range is {100 * bias:+.1f} % off and that of curvature {100 * right:+.1f} %; "
+            f"{100 * wild:.1f} % of the averages of range miss by more than half."
         )
 
 
@@ -310,5 +325,6 @@ class VerticalBeamView:
         return (
             f"The reflections arrive {levels[0] - levels[1]:.0f} dB (surface) and "
             f"{levels[0] - levels[2]:.0f} dB (bottom) below the direct sound; together they pull the bearing "
-            f"by {result['bearing_pull_deg']:+.2f}° and the range by {percent(result['range_error'])}."
+            f"by {round(float(result['bearing_pull_deg']), 2) + 0.0:+.2f}° "
+            f"and the range by {percent(result['range_error'])}."
         )

@@ -21,7 +21,7 @@ def discriminator(now=60e-6):
 def response():
     return dict(
         time=TIME, truth=0 * TIME, theory=0 * TIME, mean=0 * TIME, trials=np.zeros((20, 3)),
-        time_constant=0.3, left=-0.2e-6, jitter=4.2e-6,
+        time_constant=0.3, left=-0.2e-6, jitter=4.2e-6, astray=0.0,
     )  # fmt: skip
 
 
@@ -29,7 +29,7 @@ def tuning(revealed=True):
     x = np.geomspace(0.03, 2, 9)
     return dict(
         constants=x, lags=1e-4 * x, jitters=1e-5 / x, totals=1e-4 * x, revealed=revealed, time_constant=0.06,
-        best=0.204, lag=4e-6, jitter3=54e-6, total=58e-6, least=41e-6,
+        best=0.204, lag=4e-6, jitter3=54e-6, total=58e-6, least=41e-6, astray=0.0,
     )  # fmt: skip
 
 
@@ -47,8 +47,9 @@ def fade():
 
 def capture():
     return dict(
-        time=TIME, crossing=0 * TIME, delays=np.zeros((20, 4)), captured=0.25, power=1.5, speed=150e-6
-    )
+        time=TIME, crossing=0 * TIME, delays=np.zeros((20, 4)), captured=0.25, power=1.5, speed=150e-6,
+        period=667e-6,
+    )  # fmt: skip
 
 
 def sweeps():
@@ -133,7 +134,32 @@ def test_the_desk_hides_the_truth_until_asked():
 def test_the_desk_without_a_range_says_so():
     view = views.OperatorView(desk())
     sentence = view.draw(desk(revealed=False, kept=0, found=np.nan))
-    assert "0 of 20 s" in sentence and "no range" in sentence
+    assert "0 of 20 s" in sentence and "no range" in sentence and "nan" not in sentence
+    score = {"scores": {"the line": np.nan}}
+    assert "the line no range" in view.draw(desk(kept=0, found=np.nan) | score)
+
+
+@pytest.mark.parametrize("name", ["response", "tuning"])
+def test_loops_that_went_astray_are_counted(name):
+    make, result, _ = CASES[name]
+    view = make(result())
+    assert "astray" not in view.draw(result())
+    assert "25 % of the loops have gone astray" in view.draw(result() | {"astray": 0.25})
+
+
+def test_measured_errors_beyond_the_axes_are_drawn_at_their_edge():
+    view = views.TuningView(tuning())
+    view.draw(tuning() | {"total": 1570e-6, "lag": 1e-6})
+    low, high = view.total.axes.get_ylim()
+    assert low < view.lag.get_ydata()[0] < view.total.get_ydata()[0] < high
+
+
+def test_a_jump_answered_downwards_stays_inside_the_axes():
+    view = views.ResponseView(response())
+    for lowest in (0.0, -336e-6, 0.0):
+        view.draw(response() | {"trials": np.full((20, 3), lowest)})
+        low, high = view.mean.axes.get_ylim()
+        assert low < 1e6 * lowest and (lowest < 0) == (low < -100)
 
 
 def test_the_chart_is_linear_in_curvature():
