@@ -15,6 +15,7 @@ from importlib.util import find_spec
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 ENVIRONMENT = os.path.join(ROOT, ".venv")
 PINS = os.path.join(ROOT, "environment.txt")
+TEST_PINS = os.path.join(ROOT, "tests", "environment.txt")
 STAMP = os.path.join(ENVIRONMENT, "labsim-installed")
 OLDEST = (3, 11)
 UNFINISHED = "unfinished"
@@ -45,6 +46,7 @@ def main(arguments):
     try:
         python = prepare()
         if arguments[:1] == ["test"]:
+            prepare_tests(python)
             return run([python, "-m", "pytest"] + arguments[1:])
         if arguments[:1] == ["apps"]:
             return run(apps_command(python) + arguments[1:])
@@ -94,8 +96,8 @@ def prepare():
             "environment.txt is missing; run the command in the folder that the lab was cloned into."
         )
     python = os.path.join(ENVIRONMENT, *(("Scripts", "python.exe") if os.name == "nt" else ("bin", "python")))
-    wanted = fingerprint()
-    if os.path.exists(python) and read(STAMP) == wanted:
+    wanted = fingerprint(PINS)
+    if os.path.exists(python) and read(STAMP) in (wanted, fingerprint(PINS, TEST_PINS)):
         return python
     if find_spec("venv") is None or find_spec("ensurepip") is None:
         raise Problem(
@@ -134,13 +136,27 @@ def install(python):
         if subprocess.call([sys.executable, "-m", "venv", ENVIRONMENT]):
             raise Problem("Python could not make an environment in .venv; see its message above.")
     stamp(UNFINISHED)
+    pip_install(python, PINS)
+    write_settings()
+
+
+def prepare_tests(python):
+    """Install what the tests need besides; should that fail, the lab itself still opens."""
+    wanted = fingerprint(PINS, TEST_PINS)
+    if read(STAMP) != wanted:
+        print("Adding what the tests need to the lab's environment, once.", flush=True)
+        pip_install(python, TEST_PINS)
+        stamp(wanted)
+
+
+def pip_install(python, pins):
+    """Install the packages of one file of pins."""
     pip = [python, "-m", "pip", "--disable-pip-version-check", "install", "--no-compile", "--no-input"]
-    if subprocess.call(pip + ["--requirement", PINS], cwd=ROOT):
+    if subprocess.call(pip + ["--requirement", pins], cwd=ROOT):
         raise Problem(
             "the packages could not be installed; see pip's message above. If there is no network, "
             "connect to one and run the command again."
         )
-    write_settings()
 
 
 def stamp(text):
@@ -168,10 +184,12 @@ def check_writable():
     os.remove(probe)
 
 
-def fingerprint():
-    """What the environment depends on: the pins, this Python, and where the lab lies."""
-    with open(PINS, "rb") as pins:
-        parts = pins.read() + repr((sys.version_info[:2], ROOT)).encode()
+def fingerprint(*files):
+    """What an environment depends on: files of pins, this Python, and where the lab lies."""
+    parts = repr((sys.version_info[:2], ROOT)).encode()
+    for name in files:
+        with open(name, "rb") as pins:
+            parts += pins.read()
     return hashlib.sha256(parts).hexdigest()
 
 

@@ -20,6 +20,8 @@ def clone(tmp_path, monkeypatch):
     pins.write_text("numpy\n")
     monkeypatch.setattr(launcher, "ROOT", str(tmp_path))
     monkeypatch.setattr(launcher, "PINS", str(pins))
+    (tmp_path / "test-environment.txt").write_text("pytest\n")
+    monkeypatch.setattr(launcher, "TEST_PINS", str(tmp_path / "test-environment.txt"))
     monkeypatch.setattr(launcher, "ENVIRONMENT", str(tmp_path / ".venv"))
     monkeypatch.setattr(launcher, "STAMP", str(tmp_path / ".venv" / "labsim-installed"))
     calls = []
@@ -76,9 +78,9 @@ def test_failed_update_does_not_pass_for_finished(clone):
 
 def test_moved_folder_is_installed_again(clone, monkeypatch):
     launcher.prepare()
-    before = launcher.fingerprint()
+    before = launcher.fingerprint(launcher.PINS)
     monkeypatch.setattr(launcher, "ROOT", str(clone.path / "elsewhere"))
-    assert launcher.fingerprint() != before
+    assert launcher.fingerprint(launcher.PINS) != before
 
 
 def test_old_python_is_told_what_it_needs(clone, monkeypatch, capsys):
@@ -154,3 +156,19 @@ def test_environment_made_by_hand_is_left_alone(clone, capsys):
     assert launcher.main([]) == 1
     assert "this command did not make it" in capsys.readouterr().err
     assert (clone.path / ".venv" / "bin").is_dir() and clone.calls == []
+
+
+def test_tests_add_their_packages_once_and_the_lab_stays_finished(clone, monkeypatch):
+    monkeypatch.setattr(launcher, "run", lambda command: 0)
+    for command in ([], ["test"], ["test"], []):
+        assert launcher.main(command) == 0
+    assert clone.calls == ["venv", "pip", "pip"]
+
+
+def test_lab_opens_although_the_packages_of_the_tests_failed(clone, monkeypatch):
+    monkeypatch.setattr(launcher, "run", lambda command: 0)
+    launcher.prepare()
+    clone.status["pip"] = 1
+    assert launcher.main(["test"]) == 1
+    assert launcher.main([]) == 0
+    assert clone.calls == ["venv", "pip", "pip"]

@@ -26,7 +26,8 @@ def test_oldest_python_is_the_first_that_is_listed():
 
 
 def test_every_direct_dependency_is_pinned():
-    pins = (ROOT / "environment.txt").read_text(encoding="utf-8")
+    files = ("environment.txt", "tests/environment.txt")
+    pins = "".join((ROOT / name).read_text(encoding="utf-8") for name in files)
     extras = PROJECT["optional-dependencies"]
-    for name in [*PROJECT["dependencies"], *extras["test"], *extras["cluster"]]:
+    for name in [*PROJECT["dependencies"], *extras["test"], *extras["cluster"], *extras["apps"]]:
         assert re.findall(rf"^{name}==\S+( ; .*)?$", pins, re.M), name
