@@ -203,16 +203,15 @@ def observe(state, frequency, receiver, source, sound_speed):
     return values, jacobian
 
 
-def bearing_bound(snr, bearing, frequency, elements, spacing, sound_speed, factor=12, power=2):
+def bearing_bound(snr, bearing, frequency, elements, spacing, sound_speed, factor=12):
     """Variance bound of a bearing from a line array, rad^2 (Ma et al. 2023, eq. 4).
 
     snr : power ratio at one element; bearing : from the array's axis, radians
     factor : 12 for real data with snr = A^2/(2 sigma^2), 6 for complex snapshots with snr = A^2/sigma^2
-    power : 2 for N (N^2 - 1), as derived; 1 for N (N - 1), as the text of the page reads
     """
     snr = require_positive("snr", snr)
     aperture = frequency * spacing * np.sin(bearing) / sound_speed
-    return factor / ((2 * np.pi) ** 2 * snr * elements * (elements**power - 1.0) * aperture**2)
+    return factor / ((2 * np.pi) ** 2 * snr * elements * (elements**2 - 1.0) * aperture**2)
 
 
 def printed_delay_bound(snr, frequency, elements):

@@ -9,6 +9,68 @@ CIRCLE = np.stack([np.cos(np.linspace(0, 2 * np.pi, 41)), np.sin(np.linspace(0, 
 RADIUS_95 = np.sqrt(5.991)
 
 
+class GeometryView:
+    """The bistatic triangle, with the angles of the page: figure 1 of the paper.
+
+    Draws a dict with receiver, source, target (2,), m; velocity (2,), m/s; bearing, radians; delay, s;
+    to_receiver and to_source, the angles between the velocity and the directions to the two, radians.
+    """
+
+    def __init__(self):
+        self.figure = style.figure(7.0, 3.9)
+        self.axes = self.figure.subplots()
+        self.axes.set(xlabel="x (km)", ylabel="y (km)", xlim=(-3.2, 5), ylim=(-0.6, 5.4), aspect="equal")
+
+    def draw(self, result):
+        """Draw the triangle; return the sentence."""
+        receiver, source, target = (np.divide(result[name], FAR) for name in ("receiver", "source", "target"))
+        axes, course = self.axes, np.arctan2(*result["velocity"][::-1])
+        axes.plot(*np.transpose([receiver, source]), color=style.GREY, linestyle=":", label="baseline D")
+        axes.plot(*np.transpose([source, target]), color=style.ORANGE, linestyle="--", label="ping")
+        axes.plot(*np.transpose([target, receiver]), color=style.BLUE, linestyle="-", label="echo")
+        axes.plot(*np.transpose([receiver, source]), "^", color=style.BLACK, markersize=8)
+        axes.plot(*target, "o", color=style.GREEN, markersize=8)
+        arrow = dict(arrowstyle="->", color=style.BLACK, linewidth=1.5)
+        axes.annotate("", target + 1.7 * np.array([np.cos(course), np.sin(course)]), target, arrowprops=arrow)
+        for place, text, shift in (
+            (receiver, "receiver $Z_R$", (0, -15)), (source, "source $Z_S$", (0, -15)),
+            (target, "target $Z$", (-6, 10)),
+            (target + 1.7 * np.array([np.cos(course), np.sin(course)]), "velocity $v$", (18, 4)),
+        ):  # fmt: skip
+            axes.annotate(text, place, shift, textcoords="offset points", ha="center", fontsize=9)
+        ways = [np.arctan2(*(end - target)[::-1]) for end in (receiver, source)]
+        arcs = (
+            (receiver, 0.0, result["bearing"], 0.6, r"$\alpha$"),
+            (target, ways[0], course, 1.3, r"$\varphi_R$"),
+            (target, ways[1], course, 0.55, r"$\varphi_S$"),
+        )
+        for centre, begin, end, radius, name in arcs:
+            angle = np.linspace(begin, end, 40)
+            axes.plot(
+                *(centre[:, None] + radius * np.stack([np.cos(angle), np.sin(angle)])),
+                color=style.BLACK,
+                linestyle="-",
+                linewidth=1,
+            )
+            middle = angle[20 if name != r"$\varphi_R$" else 8]
+            axes.annotate(
+                name,
+                centre + (radius + 0.25) * np.array([np.cos(middle), np.sin(middle)]),
+                ha="center",
+                va="center",
+            )
+        axes.legend(loc="upper right", fontsize=8)
+        axes.set_title(
+            f"The echo arrives after {result['delay']:.1f} s, from {np.degrees(result['bearing']):.0f}°"
+        )
+        angles = np.degrees([result["to_receiver"], result["to_source"]])
+        return (
+            f"Ping to target to receiver takes {result['delay']:.1f} s, and the echo comes from a bearing of "
+            f"{np.degrees(result['bearing']):.0f}°; the target's velocity makes {angles[0]:.0f}° with the "
+            f"direction to the receiver and {angles[1]:.0f}° with that to the source."
+        )
+
+
 class EllipseView:
     """Bearing and delay on the map, and close up: what errors do to the position, and the linear covariance.
 
@@ -24,17 +86,16 @@ class EllipseView:
         (self.ray,) = self.map.plot([], [], color=style.BLUE, linestyle="-", label="same bearing")
         (self.ends,) = self.map.plot([], [], "^", color=style.BLACK, markersize=8, label="receiver, source")
         (self.target,) = self.map.plot([], [], "o", color=style.GREEN, markersize=8, label="target")
-        self.map.set(xlim=(-9, 13), ylim=(-12, 10), aspect="equal", xlabel="x (km)", ylabel="y (km)")
-        self.map.legend(loc="lower left", fontsize=8, ncols=2)
+        self.map.set(xlim=(-10.5, 14.5), ylim=(-12.5, 12.5), aspect="equal", xlabel="x (km)", ylabel="y (km)")
+        self.map.legend(loc="upper center", fontsize=8, ncols=4, bbox_to_anchor=(0.5, -0.16), columnspacing=1)
         self.map_title = self.map.set_title(" ")
         (self.cloud,) = self.close.plot([], [], ".", color=style.GREY, markersize=2, label="positions found")
         (self.drawn,) = self.close.plot(
             [], [], color=style.BLUE, linestyle="-", label="95 % of the covariance"
         )
         (self.truth,) = self.close.plot([], [], "o", color=style.GREEN, markersize=8, label="target")
-        self.close.set(xlim=(-1, 1), ylim=(-1, 1), aspect="equal")
-        ticks = (-1, -0.5, 0, 0.5, 1)
-        self.close.set(xlabel="error in x (km)", ylabel="error in y (km)", xticks=ticks, yticks=ticks)
+        self.close.set(aspect="equal", xlabel="error in x (km)", ylabel="error in y (km)")
+        self._show_up_to(1.0)
         self.close.legend(loc="lower left", fontsize=8)
         self.close_title = self.close.set_title(" ")
         style.animate(self.ellipse, self.ray, self.ends, self.target, self.map_title)
@@ -43,6 +104,8 @@ class EllipseView:
     def draw(self, result):
         """Draw one target; return the sentence."""
         target = result["target"]
+        reach = RADIUS_95 * np.sqrt(np.linalg.eigvalsh(result["covariance"])[-1]) / FAR
+        self._show_up_to(1.0 if reach < 0.8 else 4.0)
         direction = np.array([np.cos(result["bearing"]), np.sin(result["bearing"])])
         self.ellipse.set_data(*result["ellipse"].T / FAR)
         self.ray.set_data(*np.transpose([result["receiver"], result["receiver"] + 3e4 * direction]) / FAR)
@@ -58,6 +121,11 @@ class EllipseView:
             f"Of the positions found around ({target[0] / FAR:.1f}, {target[1] / FAR:.1f}) km, the "
             f"linearised covariance's 95 % region holds {result['cover']:.0%}{lost}."
         )
+
+    def _show_up_to(self, reach):
+        if self.close.get_xlim()[1] != reach:
+            ticks = np.linspace(-reach, reach, 5)
+            self.close.set(xlim=(-reach, reach), ylim=(-reach, reach), xticks=ticks, yticks=ticks)
 
 
 class LoudnessView:
@@ -145,11 +213,11 @@ class StepView:
         self.map.plot(0, 0, "*", color=style.BLACK, markersize=11, label="true place")
         self.map.set(xlim=(-0.5, 0.5), ylim=(-0.5, 0.5), aspect="equal")
         self.map.set(xlabel="x from the true place (km)", ylabel="y from the true place (km)")
-        self.map.legend(loc="upper right", fontsize=8)
+        self.map.legend(loc="upper left", fontsize=8)
         (self.weights,) = self.stems.plot([], [], "o", color=style.BLUE, markersize=4, label="component")
         self.stems.axhline(0.5, color=style.BLACK, linestyle="--", label="reported above")
         self.stems.axhline(1e-5, color=style.PINK, linestyle=":", label="pruned below")
-        self.stems.set(yscale="log", xlim=(-1, 61), ylim=(1e-9, 5))
+        self.stems.set(yscale="log", xlim=(-1, 61), ylim=(1e-11, 5))
         self.stems.set_xlabel("component, heaviest first")
         self.stems.set_ylabel("weight (expected targets)")
         self.stems.legend(loc="lower left", fontsize=8)
@@ -168,8 +236,9 @@ class StepView:
         total, heavy = weight.sum(), np.count_nonzero(weight > 0.5)
         self.map_title.set_text(f"{result['stage'].capitalize()}: 2σ outlines")
         self.stem_title.set_text(f"{weight.size} components, total weight {total:.2f}")
+        moment = "Before the step" if result["stage"] == "before" else f"After '{result['stage']}'"
         return (
-            f"After '{result['stage']}' the mixture has {weight.size} components of total weight "
+            f"{moment} the mixture has {weight.size} components of total weight "
             f"{total:.2f}, {heavy} of them above one half; {result['number']} targets are there."
         )
 
@@ -194,17 +263,17 @@ class SceneView:
             label = "true tracks" if k == 0 else None
             self.map.plot(*column, color=style.ORANGE, linestyle="-", linewidth=4, alpha=0.4, label=label)
         (self.points,) = self.map.plot([], [], ".", color=style.BLUE, markersize=4, label="reported")
-        self.map.set(xlim=(-8, 8), ylim=(-0.5, 10), xlabel="x (km)", ylabel="y (km)", aspect="equal")
+        self.map.set(xlim=(-8.5, 12.5), ylim=(-0.5, 10), xlabel="x (km)", ylabel="y (km)", aspect="equal")
         self.map.legend(loc="lower left", fontsize=8)
         true = np.isfinite(x).sum(axis=1)
         self.number.step(range(scans), true, where="mid", color=style.BLACK, linestyle="-", label="true")
         (self.sum,) = self.number.plot([], [], color=style.ORANGE, linestyle="--", label="weight sum")
         (self.count,) = self.number.plot([], [], "o", color=style.BLUE, markersize=3, label="reported")
-        self.number.set(xlim=(-1, scans), ylim=(-0.3, 7), ylabel="targets")
+        self.number.set(xlim=(-1, scans), ylim=(-0.5, 11), ylabel="targets")
         self.number.legend(loc="upper right", fontsize=8, ncols=3)
         (self.ospa,) = self.error.plot([], [], color=style.BLUE, linestyle="-", label="OSPA")
         (self.location,) = self.error.plot([], [], color=style.GREEN, linestyle="-.", label="location part")
-        self.error.set(ylim=(0, 520), xlabel="scan", ylabel="OSPA (m)")
+        self.error.set(ylim=(0, 680), yticks=range(0, 501, 100), xlabel="scan", ylabel="OSPA (m)")
         self.error.legend(loc="upper right", fontsize=8, ncols=2)
         self.map_title, self.error_title = self.map.set_title(" "), self.error.set_title(" ")
         self.number_title = self.number.set_title(" ")
@@ -239,7 +308,7 @@ class ComparisonView:
     def __init__(self):
         self.figure = style.figure(9.2, 5.0)
         self.error, self.number = self.figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
-        self.error.set(ylabel="mean OSPA (m)", title="The textbook filter pays for every miss")
+        self.error.set(ylabel="mean OSPA (m)")
         self.number.set(xlabel="scan", ylabel="mean number reported")
 
     def draw(self, result):
@@ -255,11 +324,12 @@ class ComparisonView:
         self.error.legend(fontsize=8, ncols=2)
         self.number.legend(fontsize=8)
         means = sorted((ospa.mean(), method) for method, ospa in result["ospa"].items())
+        self.error.set_title(f"Least on average: {means[0][1]}; most: {means[-1][1]}")
         return "Mean OSPA over all scans: " + ", ".join(f"{m} {value:.0f} m" for value, m in means) + "."
 
 
 class CostView:
-    """CPU time of the parts of a step against the number of components.
+    """CPU time of the parts of a step against the number of components, on the machine that draws it.
 
     Draws a dict with components (n,), and times, a dict from part to (n,), s.
     """
@@ -279,10 +349,10 @@ class CostView:
         self.axes.minorticks_off()
         self.axes.legend(fontsize=8)
         largest = max(result["times"], key=lambda part: result["times"][part][-1])
-        self.axes.set_title(f"With many components, {largest} dominates")
+        self.axes.set_title(f"On this machine, in this run: {largest} costs most in the end")
         return (
-            f"With {result['components'][-1]} components the most expensive part is {largest}, "
-            f"{1e3 * result['times'][largest][-1]:.1f} ms of CPU time here."
+            f"On the machine that drew this, with {result['components'][-1]} components, the most expensive "
+            f"part was {largest}, with {1e3 * result['times'][largest][-1]:.1f} ms of CPU time."
         )
 
 

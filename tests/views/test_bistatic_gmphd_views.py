@@ -62,6 +62,26 @@ def test_draws_without_a_position_are_mentioned():
     assert "9% of the draws have no position" in views.EllipseView().draw(located(0.8, 0.09))
 
 
+def test_a_wide_cloud_gets_wider_axes_and_a_narrow_one_gets_them_back():
+    view = views.EllipseView()
+    for spread, reach in ((100.0, 1.0), (900.0, 4.0), (100.0, 1.0)):
+        view.draw(located() | dict(covariance=np.diag([spread**2, 50.0**2])))
+        assert view.close.get_xlim() == (-reach, reach)
+
+
+def test_geometry_says_its_angles_in_degrees():
+    shown = dict(
+        receiver=(0.0, 0.0), source=(4e3, 0.0), target=(-1_500.0, 4_000.0), velocity=(2.0, 1.0),
+        bearing=np.radians(110.6), delay=7.4, to_receiver=np.radians(96), to_source=np.radians(63),
+    )  # fmt: skip
+    said = views.GeometryView().draw(shown)
+    assert "takes 7.4 s" in said and "bearing of 111°" in said and "96°" in said and "63°" in said
+
+
+def test_the_stage_before_the_step_is_not_called_a_stage_after_it():
+    assert views.StepView().draw(stage(name="before")).startswith("Before the step the mixture has 4")
+
+
 def test_outlines_have_the_size_of_the_covariance():
     curve = views._outlines(np.zeros((1, 2)), np.diag([9.0, 16.0])[None], 2.0)
     assert np.nanmax(curve[0]) == pytest.approx(6.0) and np.nanmax(curve[1]) == pytest.approx(8.0, rel=1e-3)
@@ -77,4 +97,4 @@ def test_the_still_pictures_say_their_numbers():
     assert said == "Mean OSPA over all scans: two 60 m, one 80 m."
     times = {"update": np.array([1e-3, 2e-3]), "merge": np.array([1e-3, 5e-3])}
     said = views.CostView().draw(dict(components=np.array([25, 800]), times=times))
-    assert "With 800 components the most expensive part is merge, 5.0 ms" in said
+    assert "with 800 components, the most expensive part was merge, with 5.0 ms" in said
