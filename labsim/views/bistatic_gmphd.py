@@ -105,7 +105,7 @@ class EllipseView:
         """Draw one target; return the sentence."""
         target = result["target"]
         reach = RADIUS_95 * np.sqrt(np.linalg.eigvalsh(result["covariance"])[-1]) / FAR
-        self._show_up_to(1.0 if reach < 0.8 else 4.0)
+        self._show_up_to(next((edge for edge in (1.0, 2.0) if edge > 1.3 * reach), 4.0))
         direction = np.array([np.cos(result["bearing"]), np.sin(result["bearing"])])
         self.ellipse.set_data(*result["ellipse"].T / FAR)
         self.ray.set_data(*np.transpose([result["receiver"], result["receiver"] + 3e4 * direction]) / FAR)
