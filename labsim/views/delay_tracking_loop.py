@@ -7,7 +7,7 @@ from labsim.views import style
 
 US = 1e6
 PAPER_TICKS = (np.inf, 20.0, 5.0, 3.0, 2.0, 1.5, 1.0)
-DESK_TICKS = (np.inf, 10.0, 5.0, 3.0, 2.5, 2.0, 1.75, 1.5, 1.375, 1.25, 1.125, 1.0)
+DESK_TICKS = (np.inf, 10.0, 5.0, 3.0, 2.5, 2.0, 1.75, 1.5, 1.25, 1.125, 1.0)
 
 
 class DiscriminatorView:
@@ -375,8 +375,8 @@ class OperatorView:
     """
 
     def __init__(self, result):
-        self.figure = style.figure(9, 7.2)
-        *self.displays, self.chart = self.figure.subplots(3, 1, sharex=True, height_ratios=(1, 1, 1.5))
+        self.figure = style.figure(9, 6.5)
+        *self.displays, self.chart = self.figure.subplots(3, 1, sharex=True, height_ratios=(1, 1, 1.7))
         time, offsets = result["time"], 1e3 * result["offsets"]
         extent = (time[0] - 0.5, time[-1] + 0.5, offsets[0], offsets[-1])
         size = 1.8 * np.median(np.abs(result["curves"]))
