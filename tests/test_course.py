@@ -221,6 +221,16 @@ def test_the_five_estimates_by_name_are_those_of_the_five_functions():
         assert np.array_equal(estimates[name], estimator(SHORT.time, bearing), equal_nan=True)
 
 
+@pytest.mark.parametrize("running", [True, False])
+def test_many_trials_taken_a_few_at_a_time_are_the_same_as_all_at_once(trials, running):
+    bearing, ratio = trials[0][:23], trials[1][:23]
+    estimates = all_courses(UNIFORM.time, bearing, ratio, 0.01, 0.05, running)
+    whole = paper_course(bearing, ratio, 0.01, 0.05, running)
+    assert np.array_equal(estimates["paper"], whole, equal_nan=True)
+    free = free_bearings_only_course(UNIFORM.time, bearing, running)
+    assert np.array_equal(estimates["free"], free, equal_nan=True)
+
+
 def test_the_closed_form_agrees_with_a_general_eigenvalue_solver():
     (bearing,), (ratio,) = monte_carlo(SHORT, 1, 5)
     fast = paper_course(bearing, ratio, SHORT.bearing_std, SHORT.ratio_std)

@@ -105,7 +105,7 @@ def averaging(answer):
     """How many frames to average at -20 dB for a range ratio within 1 %."""
     if answer is ... or answer is None:
         return NOT_ANSWERED
-    if not isinstance(answer, int) or not 1 <= answer <= 400:
+    if not isinstance(answer, (int, np.integer)) or not 1 <= answer <= 400:
         return Feedback("look again", "the answer must be a whole number of frames between 1 and 400")
     error = 100 * np.median(averaging_errors(answer))
     if error < 1:

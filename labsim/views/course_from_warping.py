@@ -24,6 +24,8 @@ class ModesView:
     """
 
     SHOWN = 12
+    DEEPEST = 120
+    LEVELS = (-115, -35)
 
     def __init__(self):
         self.figure = style.figure(9, 4.6)
@@ -32,19 +34,17 @@ class ModesView:
         self.ahead, self.across = self.figure.add_subplot(grid[0, 1]), self.figure.add_subplot(grid[1, 1])
         self.lines = [self.sea.plot([], [], "-", color=style.BLUE)[0] for _ in range(self.SHOWN)]
         (self.bottom,) = self.sea.plot([], [], "--", color=style.ORANGE, label="sea bed")
-        self.sea.set(xlabel="mode number", ylabel="depth (m)", xlim=(0.4, 12.8), ylim=(120, 0))
+        self.sea.set(xlabel="mode number", ylabel="depth (m)", xlim=(0.4, 12.8), ylim=(self.DEEPEST, 0))
         self.sea.set_xticks(range(1, 13))
         self.sea.legend(loc="lower left")
         self.title = self.sea.set_title("Modes")
         (self.level,) = self.ahead.plot([], [], "-", color=style.BLUE, linewidth=1.2)
         (self.place,) = self.ahead.plot([], [], ":", color=style.BLACK)
-        self.ahead.set(xlabel="range (km)", ylabel="level (dB re 1 m)", xlim=(1, 15), ylim=(-115, -45))
+        self.ahead.set(xlabel="range (km)", ylabel="level (dB re 1 m)", xlim=(1, 15), ylim=self.LEVELS)
         self.ahead.set_title("At one frequency the level swings with range")
         (self.spectrum,) = self.across.plot([], [], "-", color=style.GREEN, linewidth=1.2)
         (self.tone,) = self.across.plot([], [], ":", color=style.BLACK)
-        self.across.set(
-            xlabel="frequency (Hz)", ylabel="level (dB re 1 m)", xlim=(100, 500), ylim=(-115, -45)
-        )
+        self.across.set(xlabel="frequency (Hz)", ylabel="level (dB re 1 m)", xlim=(20, 500), ylim=self.LEVELS)
         self.across.set_title("At one range it swings with frequency")
         moving = (self.level, self.place, self.spectrum, self.tone, self.bottom, self.title)
         style.animate(*self.lines, *moving)
@@ -58,17 +58,17 @@ class ModesView:
             shape = shapes[number] / np.max(np.abs(shapes)) * 0.45 if shown else []
             line.set_data(number + 1 + shape if shown else [], result["depth"] if shown else [])
         self.bottom.set_data([0.4, 12.8], [result["water_depth"]] * 2)
-        self.level.set_data(result["distance"] / 1e3, result["level_db"])
-        self.place.set_data([result["here"] / 1e3] * 2, [-115, -45])
-        self.spectrum.set_data(result["band"], result["spectrum_db"])
-        self.tone.set_data([result["frequency"]] * 2, [-115, -45])
-        self.title.set_text(f"{count} trapped mode{'s' if count > 1 else ''} at {result['frequency']:.0f} Hz")
+        self.level.set_data(result["distance"] / 1e3, np.maximum(result["level_db"], self.LEVELS[0]))
+        self.place.set_data([result["here"] / 1e3] * 2, self.LEVELS)
+        self.spectrum.set_data(result["band"], np.maximum(result["spectrum_db"], self.LEVELS[0]))
+        self.tone.set_data([result["frequency"]] * 2, self.LEVELS)
+        modes = f"{count} mode{'s' if count > 1 else ''}"
+        first = f" (the first {self.SHOWN} are drawn)" if count > self.SHOWN else ""
+        self.title.set_text(f"{modes} at {result['frequency']:.0f} Hz")
         beat = (
             f"modes 1 and 2 beat every {result['beat']:.0f} m" if result["beat"] else "alone it cannot beat"
         )
-        return (
-            f"At {result['frequency']:.0f} Hz this sea traps {count} mode{'s' if count > 1 else ''}; {beat}."
-        )
+        return f"At {result['frequency']:.0f} Hz this sea traps {modes}{first}; {beat}."
 
 
 class StripesView:
@@ -101,9 +101,7 @@ class StripesView:
         self.image.set_data(self.COLOURS.to_rgba(result["level_db"], bytes=True))
         self.lines.set_data(lines.ravel(), np.tile(time, len(lines)))
         kept = 100 * result["contrast"]
-        self.title.set_text(
-            f"Along beta = {result['beta']:.2f} the stripes keep {kept:.0f} % of their contrast"
-        )
+        self.title.set_text(f"beta {result['beta']:.2f} keeps {kept:.0f} % of the contrast")
         return (
             f"Read along lines of beta = {result['beta']:.2f}, the stripes keep "
             f"{kept:.0f} % of their contrast."
@@ -126,18 +124,18 @@ class WarpView:
         self.before, self.after = self.figure.add_subplot(grid[0, 0]), self.figure.add_subplot(grid[0, 1])
         self.pulses = self.figure.add_subplot(grid[1, :])
         (self.raw,) = self.before.plot([], [], "-", color=style.BLUE, linewidth=1.2)
-        self.before.set(xlabel="frequency (Hz)", ylabel="power / mean", xlim=(200, 400), ylim=(0, 5))
+        self.before.set(xlabel="frequency (Hz)", ylabel="power / mean", xlim=(200, 400), ylim=(0, 6.5))
         self.before.set_title("The spectrum chirps ...")
         (self.straight,) = self.after.plot([], [], "-", color=style.GREEN, linewidth=1.2)
-        self.after.set(xlabel="warped frequency (Hz)", ylabel="power / mean", xlim=(200, 400), ylim=(0, 5))
+        self.after.set(xlabel="warped frequency (Hz)", ylabel="power / mean", xlim=(200, 400), ylim=(0, 6.5))
         self.after.set_title("... warped, it is a sum of tones")
         (self.first,) = self.pulses.plot([], [], "--", color=style.GREY, linewidth=1.4, label="at the start")
         (self.now,) = self.pulses.plot([], [], "-", color=style.BLUE, label="now")
         (self.marks,) = self.pulses.plot([], [], ":", color=style.BLACK, label="expected now")
         (self.peaks,) = self.pulses.plot([], [], "o", color=style.ORANGE, label="the followed pulse")
         self.labels = [self.pulses.text(0, 1.04, pair, ha="center", fontsize=9) for pair in self.PAIRS]
-        self.pulses.set(xlabel="delay (ms)", ylabel="pulse height / highest", xlim=(20, 200), ylim=(0, 1.15))
-        self.pulses.legend(loc="upper right")
+        self.pulses.set(xlabel="delay (ms)", ylabel="pulse height / highest", xlim=(15, 205), ylim=(0, 1.15))
+        self.figure.legend(loc="outside lower center", ncols=4)
         self.title = self.pulses.set_title("Pulses")
         moving = (self.raw, self.straight, self.first, self.now, self.marks, self.peaks, self.title)
         style.animate(*moving, *self.labels)
@@ -145,7 +143,8 @@ class WarpView:
     def draw(self, result):
         """Draw one moment; return the sentence."""
         self.raw.set_data(result["frequency"], result["spectrum"] / np.mean(result["spectrum"]))
-        self.straight.set_data(result["warped_frequency"], result["warped"] / np.mean(result["warped"]))
+        warped = np.maximum(result["warped"] / np.mean(result["warped"]), 0)
+        self.straight.set_data(result["warped_frequency"], warped)
         first, now = result["first"] / result["first"].max(), result["now"] / result["now"].max()
         delay = 1e3 * result["delay"]
         self.first.set_data(delay, first)
@@ -194,39 +193,31 @@ class PassagesView:
             self.map.plot(x[-1], y[-1], "o", color=colour)
             self.map.plot([0, x[-1]], [0, y[-1]], color=colour, linestyle=":", linewidth=1)
             self.curve.plot(result["time"] / 60, speed, **drawn)
-            parts.append(f"the {name} one ends at {np.degrees(np.arctan2(y[-1], x[-1])):.0f}°")
+            first, last = np.degrees(np.arctan2(y[[0, -1]], x[[0, -1]]))
+            parts.append(f"the {name} one from {first:.0f}° to {last:.0f}°")
         self.map.plot([0, x[0]], [0, y[0]], color=style.GREY, linestyle=":", linewidth=1)
         self.map.legend(loc="lower left")
         self.curve.legend(loc="upper left")
-        return f"Both vessels start at 60° and 10 km with the same course; {' and '.join(parts)}."
+        return f"Seen from the array two vessels sail, {' and '.join(parts)}."
 
 
 class SceneView:
     """Dong et al. 2020, figures 4 and 7: bearing record, warped delays, range ratio, and course against time.
 
-    Draws a dict with `time` (k,) s; `record_db` (b, beams) and `look_deg`; `bearing_deg`, `true_bearing_deg`;
-    `delay` (d,) s, `envelope` (k, d), `track` (k,) s; `ratio`, `true_ratio`; `courses_deg` by estimator (k,),
-    `true_course_deg`; `ratio_error`; `pair`; `motion`, "uniform" or "accelerating".
+    look_deg : (beams,), delay : (d,), s, of the two fields; names : of the figure, by motion, for its titles.
+    Draws a dict with `time` (k,) s; `record_db` (b, beams); `envelope` (k, d), `track` (k,) s; `ratio`,
+    `true_ratio`, `ratio_error`; `courses_deg` by estimator (k,), `true_course_deg`; `pair`; `motion`.
     """
 
-    def __init__(self, look_deg, delay):
-        self.figure = style.figure(9.2, 6.4)
+    COURSES = (140, 260)
+
+    def __init__(self, look_deg, delay, names=None):
+        self.figure = style.figure(9.2, 6.2)
         (self.beams, self.warped), (self.ratios, self.courses) = self.figure.subplots(2, 2)
-        self.record = self.beams.imshow(
-            np.zeros((2, 2)), origin="lower", aspect="auto", vmin=-2, vmax=0, interpolation="nearest",
-            extent=(look_deg[0], look_deg[-1], 0, 20),
-        )  # fmt: skip
-        self.beams.set(xlabel="bearing (°)", ylabel="time (min)", ylim=(0, 20))
-        self.field = self.warped.imshow(
-            np.zeros((2, 2)), origin="lower", aspect="auto", vmin=-14, vmax=0, interpolation="nearest",
-            extent=(1e3 * delay[0], 1e3 * delay[-1], 0, 20),
-        )  # fmt: skip
         (self.follow,) = self.warped.plot([], [], "--", color="white", linewidth=1.6)
-        self.warped.set(xlabel="delay (ms)", ylabel="time (min)", xlim=(15, 175), ylim=(0, 20))
-        for axes, image in ((self.beams, self.record), (self.warped, self.field)):
-            axes.grid(False)
-            ticks = [-2, -1, 0] if axes is self.beams else [-12, -8, -4, 0]
-            self.figure.colorbar(image, ax=axes, label="level (dB re peak)", pad=0.01, ticks=ticks)
+        self.record = self._field(self.beams, "bearing (°)", look_deg, (-2, -1, 0))
+        self.field = self._field(self.warped, "delay (ms)", 1e3 * delay, (-14, -7, 0))
+        self.warped.set_xlim(15, 175)
         (self.true,) = self.ratios.plot([], [], "--", color=style.ORANGE, label="true")
         (self.measured,) = self.ratios.plot([], [], "-", color=style.BLUE, label="measured", linewidth=1.2)
         self.ratios.set(xlabel="time (min)", ylabel="range ratio", xlim=(0, 20), ylim=(0.8, 1.05))
@@ -234,84 +225,96 @@ class SceneView:
         band = {"color": style.GREY, "alpha": 0.25, "label": "true ± 5°"}
         self.courses.fill_between([0, 20], 175, 185, **band)
         self.lines = {}
-        for name in ("paper", "centred", "free", "anchored"):
-            colour, line, _ = STYLES[name]
-            (self.lines[name],) = self.courses.plot([], [], color=colour, linestyle=line, label=NAMES[name])
-        self.courses.set(xlabel="time (min)", ylabel="course (°)", xlim=(0, 20), ylim=(140, 260))
+        for key in ("paper", "centred", "free", "anchored"):
+            colour, line, _ = STYLES[key]
+            (self.lines[key],) = self.courses.plot([], [], color=colour, linestyle=line, label=NAMES[key])
+        self.courses.set(xlabel="time (min)", ylabel="course (°)", xlim=(0, 20), ylim=self.COURSES)
         self.courses.legend(loc="upper right", fontsize=8)
-        axes = (self.beams, self.warped, self.ratios, self.courses)
-        self.titles = [panel.set_title(" ") for panel in axes]
-        self.drawn = None
-        style.animate(self.follow, self.true, self.measured, *self.lines.values(), *self.titles)
+        self.names, fixed = names or {}, (self.beams.set_title(" "), self.warped.set_title(" "))
+        self.titles = [*fixed, self.ratios.set_title(" "), self.courses.set_title(" ")]
+        moving = (self.follow, self.true, self.measured, *self.lines.values(), *self.titles[2:])
+        style.animate(self.record, self.field, *moving)
+
+    def _field(self, axes, label, across, ticks):
+        image = axes.imshow(
+            np.zeros((2, 2)), origin="lower", aspect="auto", vmin=ticks[0], vmax=ticks[-1],
+            interpolation="nearest", extent=(across[0], across[-1], 0, 20),
+        )  # fmt: skip
+        axes.set(xlabel=label, ylabel="time (min)", ylim=(0, 20))
+        axes.grid(False)
+        self.figure.colorbar(image, ax=axes, label="level (dB re peak)", pad=0.01, ticks=ticks)
+        return image
 
     def draw(self, result):
         """Draw one scene; return the sentence."""
         time = result["time"] / 60
-        if self.drawn != result["motion"]:
-            self.record.set_data(result["record_db"])
-            level = result["envelope"] / result["envelope"].max(axis=1, keepdims=True)
-            self.field.set_data(20 * np.log10(np.maximum(level, 0.05)))
-            self.drawn = result["motion"]
+        self.record.set_data(result["record_db"])
+        level = result["envelope"][::2] / result["envelope"][::2].max(axis=1, keepdims=True)
+        self.field.set_data(20 * np.log10(np.maximum(level[:, ::2], 0.05)))
         self.follow.set_data(1e3 * result["track"], time)
         self.true.set_data(time, result["true_ratio"])
         self.measured.set_data(time, result["ratio"])
         final = {}
         for name, line in self.lines.items():
             course = result["courses_deg"][name] % 360
-            line.set_data(time, np.where(np.abs(course - 200) < 70, course, np.nan))
-            final[name] = (course[-1] - result["true_course_deg"] + 180) % 360 - 180
-        swept = result["bearing_deg"][-1] - result["bearing_deg"][0]
-        number = {"uniform": 4, "accelerating": 7}[result["motion"]]
+            inside = (course > self.COURSES[0]) & (course < self.COURSES[1])
+            line.set_data(time, np.where(inside, course, np.nan))
+            final[name] = _signed((course[-1] - result["true_course_deg"] + 180) % 360 - 180)
+        off = f"{100 * result['ratio_error']:.1f} %"
         titles = (
-            f"Figure {number}a: the bearing turns by {swept:.0f}°",
-            f"{number}b: pulse {result['pair']} moves with range",
-            f"{number}c: range ratio, {100 * result['ratio_error']:.1f} % off on average",
-            f"{number}d: in the end {final['paper']:+.1f}°, bearings only {final['anchored']:+.1f}°",
+            "the bearing turns",
+            "pulses move with range",
+            f"range ratio {off} off",
+            f"paper's {final['paper']}, bearings only {final['anchored']}",
         )
-        for artist, text in zip(self.titles, titles, strict=True):
-            artist.set_text(text.replace("-", "\N{MINUS SIGN}") if "in the end" in text else text)
+        for artist, letter, text in zip(self.titles, "abcd", titles, strict=True):
+            artist.set_text(f"{self.names.get(result['motion'], '')}{letter}: {text}")
         return (
-            f"The {result['motion']} vessel: range ratio from pulse {result['pair']} "
-            f"{100 * result['ratio_error']:.1f} % off on average; course errors at 20 min: "
-            f"the paper's estimator {final['paper']:+.1f}°, centred {final['centred']:+.1f}°, "
-            f"bearings only {final['anchored']:+.1f}°."
+            f"The {result['motion']} vessel: range ratio from pulse {result['pair']} {off} off on average; "
+            f"course errors at 20 min: the paper's estimator {final['paper']}, centred {final['centred']}, "
+            f"bearings only {final['free']} (free) and {final['anchored']} (anchored)."
         )
 
 
 class ErrorsView:
     """RMSE of the course against time for the estimators, with the Cramer-Rao bound.
 
-    Draws a dict with `time` (k,) s, `rmse_deg` by estimator (k,), `bound_deg` (k,), `trials`, `frames`.
+    Draws a dict with `time` (k,) s, `rmse_deg` by estimator (k,), `bound_deg` (k,), `trials`.
     """
 
+    RANGE = (0.01, 200)
+
     def __init__(self):
-        self.figure = style.figure(9, 4.4)
+        self.figure = style.figure(9, 4.8)
         self.axes = self.figure.subplots()
         self.lines = {}
         for name, (colour, line, _) in STYLES.items():
             (self.lines[name],) = self.axes.plot([], [], color=colour, linestyle=line, label=NAMES[name])
         (self.bound,) = self.axes.plot([], [], "-", color=style.GREY, linewidth=4, alpha=0.5, label="bound")
-        self.axes.set(xlabel="time (min)", ylabel="RMSE of the course (°)", xlim=(0, 20), ylim=(0.05, 120))
+        self.axes.set(xlabel="time (min)", ylabel="RMSE of the course (°)", xlim=(0, 20), ylim=self.RANGE)
         self.axes.set_yscale("log")
-        ticks = (0.1, 0.3, 1, 3, 10, 30, 100)
+        ticks = (0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100)
         self.axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
-        self.axes.legend(loc="upper right", ncols=2)
+        self.figure.legend(loc="outside lower center", ncols=3)
         self.title = self.axes.set_title("Errors")
         style.animate(*self.lines.values(), self.bound, self.title)
 
     def draw(self, result):
         """Draw the curves; return the sentence."""
-        time = result["time"] / 60
+        time = result["time"][::4] / 60
         for name, line in self.lines.items():
-            line.set_data(time[::4], result["rmse_deg"][name][::4])
-        self.bound.set_data(time[::4], result["bound_deg"][::4])
-        last = {name: curve[-1] for name, curve in result["rmse_deg"].items()}
-        best = min(last, key=last.get)
-        self.title.set_text(f"Least error after 20 min: {NAMES[best]}, {last[best]:.2g}°")
+            line.set_data(time, result["rmse_deg"][name][::4])
+        bound = result["bound_deg"][::4]
+        self.bound.set_data(time, np.where(bound < self.RANGE[1], bound, np.nan))
+        ends = {name: curve[-1] for name, curve in result["rmse_deg"].items()}
+        ends["bound"] = result["bound_deg"][-1]
+        times = ends["paper"] / ends["bound"]
+        self.title.set_text(f"The paper's estimator ends at {times:.1f} times the bound")
+        told = {name: _degrees(value) for name, value in ends.items()}
         return (
-            f"RMSE at 20 min over {result['trials']} trials: the paper's estimator {last['paper']:.2g}°, "
-            f"centred {last['centred']:.2g}°, correlated errors {last['correlated']:.2g}°, bearings only "
-            f"{last['free']:.2g}° and {last['anchored']:.2g}°; bound {result['bound_deg'][-1]:.2g}°."
+            f"RMSE at 20 min over {result['trials']} trials: the paper's estimator {told['paper']}, centred "
+            f"{told['centred']}, correlated errors {told['correlated']}, bearings only {told['free']} (free) "
+            f"and {told['anchored']} (anchored); bound for any speed {told['bound']}."
         )
 
 
@@ -338,8 +341,8 @@ class SweepView:
                 colour, line, marker = STYLES[name]
                 top.semilogy(values, curve, color=colour, linestyle=line, marker=marker, markersize=3.5)
                 top.lines[-1].set_label(NAMES[name])
-            top.set_ylim(0.04, 250)
-            top.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
+            top.set_ylim(0.01, 300)
+            top.set_yticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
             low.plot(values, rate, "-", color=style.BLACK, marker="o", markersize=3)
             low.set(xlabel=label, ylim=(0, None))
             top.set_title(titles[column][0])
@@ -348,11 +351,15 @@ class SweepView:
         self.rows[1, 0].set_ylabel("mean bearing rate (°/min)")
         handles, names = self.rows[0, 0].get_legend_handles_labels()
         self.figure.legend(handles, names, loc="outside lower center", ncols=5)
-        values, rmse, _ = next(iter(result.values()))
-        best = values[np.argsort(rmse["paper"])[:2]]
+        (values, rmse, _), *others = result.values()
+        best = np.sort(values[np.argsort(rmse["paper"])[:2]])
+        ends = [
+            f"from {_degrees(curves['paper'][0])} to {_degrees(curves['paper'][-1])}"
+            for _, curves, _ in others
+        ]
         return (
-            f"Against course the paper's estimator is best near {min(best):.0f} and {max(best):.0f} degrees; "
-            "against range and speed its error follows the bearing rate."
+            f"Over course the paper's estimator is best at {best[0]:.0f}° and {best[1]:.0f}°; its error goes "
+            f"{ends[0]} as the first range grows and {ends[1]} as the speed does."
         )
 
 
@@ -415,8 +422,8 @@ class RecordedView:
         self.map.set_title("Bearing and range ratio draw the track")
         (self.true,) = self.curve.plot([], [], "--", color=style.ORANGE, label="recorded track")
         (self.course,) = self.curve.plot([], [], "-", color=style.BLUE, label="estimate")
-        self.curve.set(xlabel="middle of the window (s)", ylabel="course (°)", ylim=(-30, 180))
-        self.curve.set_xlim(0, last)
+        self.curve.set(xlabel="middle of the window (s)", ylabel="course (°)", ylim=(-90, 270))
+        self.curve.set(xlim=(0, last), yticks=range(-90, 271, 45))
         self.curve.legend(loc="upper left")
         self.title = self.curve.set_title("Course")
         style.animate(self.points, self.true, self.course, self.title)
@@ -424,10 +431,18 @@ class RecordedView:
     def draw(self, result):
         """Draw the points and the courses; return the sentence."""
         self.points.set_data(*result["points"].T / 1e3)
-        self.true.set_data(result["time"], result["true_course_deg"])
-        self.course.set_data(result["time"], result["course_deg"])
+        self.true.set_data(result["time"], (result["true_course_deg"] + 90) % 360 - 90)
+        self.course.set_data(result["time"], (result["course_deg"] + 90) % 360 - 90)
         self.title.set_text(f"A window of {result['window']} frames is {result['off_deg']:.0f}° off (median)")
         return (
             f"Windows of {result['window']} frames give the course of the recorded track to "
             f"{result['off_deg']:.0f}° (median)."
         )
+
+
+def _degrees(value):
+    return f"{value:.{0 if value >= 10 else 1 if value >= 1 else 2 if value >= 0.1 else 3}f}°"
+
+
+def _signed(value):
+    return f"{value:+.1f}°".replace("-", "\N{MINUS SIGN}")

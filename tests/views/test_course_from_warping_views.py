@@ -28,6 +28,9 @@ def test_modes_are_counted_and_the_beat_is_told():
     single = result | {"shapes": result["shapes"][:1], "beat": None}
     assert view.draw(single) == "At 150 Hz this sea traps 1 mode; alone it cannot beat."
     assert [len(line.get_xdata()) > 0 for line in view.lines].count(True) == 1
+    deep = result | {"shapes": np.tile(result["shapes"], (5, 1)), "level_db": np.full(30, -200.0)}
+    assert "traps 15 modes (the first 12 are drawn)" in view.draw(deep)
+    assert np.min(view.level.get_ydata()) == view.ahead.get_ylim()[0]
 
 
 def test_stripes_follow_their_lines():
@@ -69,14 +72,26 @@ def scene(motion, error_deg):
 
 
 def test_the_scene_names_its_figure_and_the_errors():
-    view = views.SceneView(np.linspace(50, 125, 30), np.linspace(0.015, 0.2, 60))
+    names = {"uniform": "Fig. 4", "accelerating": "Fig. 7"}
+    view = views.SceneView(np.linspace(50, 125, 30), np.linspace(0.015, 0.2, 60), names)
     sentence = view.draw(scene("accelerating", 27.3))
     assert "The accelerating vessel: range ratio from pulse 2-4 0.4 % off" in sentence
-    assert "the paper's estimator +0.0°" in sentence and "bearings only +27.3°" in sentence
-    assert view.titles[0].get_text().startswith("Figure 7a: the bearing turns by 37°")
+    assert "the paper's estimator +0.0°" in sentence and "(free) and +27.3° (anchored)" in sentence
+    assert view.titles[0].get_text() == "Fig. 7a: the bearing turns"
     view.draw(scene("uniform", -1.0))
-    assert view.titles[0].get_text().startswith("Figure 4a")
-    assert "\N{MINUS SIGN}1.0°" in view.titles[3].get_text()
+    assert view.titles[2].get_text() == "Fig. 4c: range ratio 0.4 % off"
+    assert "bearings only \N{MINUS SIGN}1.0°" in view.titles[3].get_text()
+    view.draw(scene("uniform", 170.0))
+    assert np.all(np.isnan(view.lines["anchored"].get_ydata()))
+
+
+def test_another_vessel_in_the_lab_leaves_the_background_as_it_is():
+    view = views.SceneView(np.linspace(50, 125, 30), np.linspace(0.015, 0.2, 60))
+    first = png_of(view, scene("uniform", 0.0))
+    view.figure.stale = False
+    view.draw(scene("accelerating", 0.0) | {"record_db": np.full((10, 30), -1.0)})
+    assert not view.figure.stale
+    assert png_of(view, scene("accelerating", 0.0) | {"record_db": np.full((10, 30), -1.0)}) != first
 
 
 def test_errors_are_told_at_the_last_minute():
@@ -86,20 +101,25 @@ def test_errors_are_told_at_the_last_minute():
         {"time": TIME, "trials": 12, "rmse_deg": rmse, "bound_deg": np.geomspace(90, 0.25, 50)}
     )
     assert (
-        "over 12 trials: the paper's estimator 0.3°, centred 1.3°" in sentence and "bound 0.25°" in sentence
+        "over 12 trials: the paper's estimator 0.30°, centred 1.3°" in sentence
+        and "bound for any speed 0.25°" in sentence
     )
-    assert "Least error after 20 min: the paper's estimator" in view.title.get_text()
+    assert view.title.get_text() == "The paper's estimator ends at 1.2 times the bound"
+    worse = {name: 100 * curve for name, curve in rmse.items()}
+    sentence = view.draw({"time": TIME, "trials": 12, "rmse_deg": worse, "bound_deg": np.full(50, 0.0151)})
+    assert "centred 130°" in sentence and "bound for any speed 0.015°" in sentence
 
 
 def test_passages_and_sweeps_read_their_results():
     position = np.stack([np.linspace(5e3, -1e3, 50), np.full(50, 8660.0)], axis=-1)
     vessels = {"uniform": (position, np.full(50, 5.0)), "accelerating": (position * 2, np.full(50, 8.0))}
-    assert "the uniform one ends at 97°" in views.PassagesView().draw({"time": TIME, "vessels": vessels})
+    sentence = views.PassagesView().draw({"time": TIME, "vessels": vessels})
+    assert "the uniform one from 60° to 97°" in sentence
     values = np.arange(0, 360, 30)
     curve = 1 + np.abs(np.cos(np.radians(values - 60)))
     sweep = (values, {name: curve for name in views.NAMES}, curve)
     sentence = views.SweepView().draw({"course (°)": sweep, "first range (km)": sweep, "speed (m/s)": sweep})
-    assert "best near 150 and 330 degrees" in sentence
+    assert "best at 150° and 330°; its error goes from 1.5° to 1.0° as the first range grows" in sentence
 
 
 def test_the_first_bearing_and_the_recorded_track():
@@ -112,5 +132,8 @@ def test_the_first_bearing_and_the_recorded_track():
     track = np.stack([np.linspace(900, 1200, 50), np.linspace(7800, 8300, 50)], axis=-1)
     recorded = {"time": TIME, "points": track, "course_deg": TIME, "true_course_deg": TIME, "off_deg": 3.2,
                 "window": 40}  # fmt: skip
-    sentence = views.RecordedView(track, 120.0).draw(recorded)
+    view = views.RecordedView(track, 120.0)
+    sentence = view.draw(recorded | {"course_deg": np.linspace(-180, 180, 50)})
     assert sentence == "Windows of 40 frames give the course of the recorded track to 3° (median)."
+    low, high = view.curve.get_ylim()
+    assert low <= np.min(view.course.get_ydata()) and np.max(view.course.get_ydata()) < high
