@@ -298,8 +298,9 @@ def paper_course_std(bearing, ratio, course, bearing_std, ratio_std, running=Tru
 def first_bearing_slope(bearing, ratio, course, running=True):
     """By how much `paper_course` moves when the first bearing does: cos(theta_0 - phi) sum D / sum D^2.
 
-    D = cos(theta_0 - phi) - M cos(theta - phi) is the slope of each residual. More observations do not make
-    this factor small: that is why the estimator is not consistent. Arguments as for `course_bound`.
+    D = cos(theta_0 - phi) - M cos(theta - phi) is the slope of each residual. A longer path makes
+    this factor small, more observations on it do not: the estimator is not consistent. Arguments as for
+    `course_bound`.
     """
     slope, _, toward = _residual(bearing, ratio, course, 0.0, 0.0)
     total, weight = _sums(running, slope, slope**2)
