@@ -209,7 +209,7 @@ class SceneView:
     `true_ratio`, `ratio_error`; `courses_deg` by estimator (k,), `true_course_deg`; `pair`; `motion`.
     """
 
-    COURSES = (140, 260)
+    COURSES = (140, 280)
 
     def __init__(self, look_deg, delay, names=None):
         self.figure = style.figure(9.2, 6.2)
