@@ -106,7 +106,7 @@ def run_chapter(page, path):
     page.locator(".jp-NotebookPanel [data-status=idle]").first.wait_for(timeout=60_000)
     page.get_by_role("menuitem", name="Run", exact=True).click()
     page.get_by_role("menuitem", name="Run All Cells", exact=True).click()
-    page.wait_for_timeout(500)
+    page.locator(".jp-NotebookPanel [data-status=busy]").first.wait_for(timeout=30_000)
     page.locator(".jp-NotebookPanel [data-status=idle]").first.wait_for(timeout=120_000)
 
 
