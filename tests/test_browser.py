@@ -17,7 +17,7 @@ from conftest import CHAPTERS, ROOT, count_labs
 
 from labsim.__main__ import lab_command
 
-STEPS = 40
+STEPS, STEPS_OF_OTHERS = 40, 12
 NARROWEST = 120
 WITH_LABS = [path for path in CHAPTERS if count_labs(path)]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -128,9 +128,12 @@ def labs(page):
         top += 500
 
 
-def tracks(lab):
-    """Where the tracks of a Lab's sliders are on the screen."""
-    return [track.bounding_box() for track in lab.locator(".noUi-base").all()]
+def require_room(page, lab):
+    """Fail where a slider's track is too narrow to use, on a wide, a usual and a small screen."""
+    for width in (1920, 1536, 1280):
+        page.set_viewport_size({"width": width, "height": 900})
+        tracks = [track.bounding_box()["width"] for track in lab.locator(".noUi-base").all()]
+        assert min(tracks) >= NARROWEST, f"a track of {min(tracks):.0f} px on a screen of {width} px"
 
 
 def steps(lab, count):
@@ -159,18 +162,15 @@ def test_every_lab_follows_its_slider(page, path, capsys):
     assert page.locator(".jp-NotebookPanel [data-mime-type*=error]").count() == 0
     rows = []
     for number, lab in enumerate(labs(page), 1):
-        for width in (1920, 1536, 1280):
-            page.set_viewport_size({"width": width, "height": 900})
-            assert all(box["width"] >= NARROWEST for box in tracks(lab)), (
-                f"Lab {number}, screen of {width} px"
-            )
-        delays = steps(lab, STEPS)
-        rows.append((number, delays.count(None), statistics.median(delay or 1000.0 for delay in delays)))
+        if number == 1:
+            require_room(page, lab)
+        delays = steps(lab, STEPS if number == 1 else STEPS_OF_OTHERS)
+        median = statistics.median(delay or 1000.0 for delay in delays)
+        rows.append((number, delays.count(None), len(delays), median))
     with capsys.disabled():
-        for number, missed, median in rows:
+        for number, missed, pressed, median in rows:
             print(
-                f"\n{path.stem}, Lab {number}: median {median:.0f} ms, {missed} of {STEPS} steps missed",
-                end="",
+                f"\n{path.stem}, Lab {number}: median {median:.0f} ms, {missed} of {pressed} missed", end=""
             )
     assert len(rows) == count_labs(path)
     assert not [row for row in rows if row[1]]
