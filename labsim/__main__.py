@@ -16,6 +16,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 ENVIRONMENT = os.path.join(ROOT, ".venv")
 PINS = os.path.join(ROOT, "environment.txt")
 TEST_PINS = os.path.join(ROOT, "tests", "environment.txt")
+TIMED_TESTS = ["tests/benchmarks", "tests/test_apps.py", "tests/test_browser.py"]
 STAMP = os.path.join(ENVIRONMENT, "labsim-installed")
 OLDEST = (3, 11)
 UNFINISHED = "unfinished"
@@ -47,7 +48,7 @@ def main(arguments):
         python = prepare()
         if arguments[:1] == ["test"]:
             prepare_tests(python)
-            return run([python, "-m", "pytest"] + arguments[1:])
+            return run_tests(python, arguments[1:])
         if arguments[:1] == ["apps"]:
             return run(apps_command(python) + arguments[1:])
         if arguments[:1] == ["figures"]:
@@ -69,6 +70,16 @@ def run(command):
     process = subprocess.Popen(command, cwd=ROOT)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     return process.wait()
+
+
+def run_tests(python, options):
+    """Run the tests that options choose; without options all, side by side but for those that take times."""
+    pytest = [python, "-m", "pytest"]
+    if options:
+        return run(pytest + options)
+    others = ["--ignore=" + name for name in TIMED_TESTS]
+    status = subprocess.call(pytest + ["--numprocesses=auto", "--dist=loadfile"] + others, cwd=ROOT)
+    return subprocess.call(pytest + TIMED_TESTS, cwd=ROOT) or status
 
 
 def lab_command(python):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+SLIDER_TABLE = "from key press to new picture"
 SOLUTIONS = sorted((ROOT / "notebooks" / "solutions").glob("*.ipynb"))
 
 
@@ -26,3 +27,12 @@ def code_cells(notebook):
 def count_labs(path):
     """How many Labs a notebook shows."""
     return sum(source(cell).count("Lab(") for cell in code_cells(read_notebook(path)))
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Print what the browser test measured, one line for each Lab of the course."""
+    ended = [*terminalreporter.getreports("passed"), *terminalreporter.getreports("failed")]
+    rows = sorted(row for report in ended for name, row in report.user_properties if name == SLIDER_TABLE)
+    if rows:
+        terminalreporter.section(f"Slider steps in the browser: {SLIDER_TABLE}")
+        terminalreporter.write("\n".join(rows) + "\n")

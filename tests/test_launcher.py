@@ -27,7 +27,7 @@ def clone(tmp_path, monkeypatch):
     calls = []
 
     def call(command, cwd=None):
-        step = "pip" if "pip" in command else "venv"
+        step = next(step for step in ("pytest", "pip", "venv") if step in command)
         calls.append(step)
         if step == "venv":
             python = tmp_path / ".venv" / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
@@ -162,7 +162,19 @@ def test_tests_add_their_packages_once_and_the_lab_stays_finished(clone, monkeyp
     monkeypatch.setattr(launcher, "run", lambda command: 0)
     for command in ([], ["test"], ["test"], []):
         assert launcher.main(command) == 0
-    assert clone.calls == ["venv", "pip", "pip"]
+    assert clone.calls == ["venv", "pip", "pip", "pytest", "pytest", "pytest", "pytest"]
+
+
+@pytest.mark.parametrize("statuses", [(0, 0), (1, 0), (0, 1)])
+def test_all_tests_run_once_each_and_a_failure_of_either_part_counts(monkeypatch, statuses):
+    commands, left = [], list(statuses)
+    monkeypatch.setattr(
+        launcher.subprocess, "call", lambda command, cwd: commands.append(command) or left.pop(0)
+    )
+    assert launcher.run_tests(sys.executable, []) == max(statuses)
+    together, alone = commands
+    left_out = [option.removeprefix("--ignore=") for option in together if option.startswith("--ignore=")]
+    assert left_out == alone[3:] and all((ROOT / name).exists() for name in left_out)
 
 
 def test_lab_opens_although_the_packages_of_the_tests_failed(clone, monkeypatch):

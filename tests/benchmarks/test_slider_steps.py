@@ -13,7 +13,7 @@ from conftest import CHAPTERS, count_labs
 from labsim.figures import displayed
 from labsim.lab import Lab
 
-STEPS = 20
+STEPS = 12
 
 
 @cache
