@@ -38,6 +38,34 @@ def require_between(name, value, low, high):
     return array
 
 
+def require_scalar(name, value):
+    """Return `value` as a float; raise ValueError unless it is one finite number."""
+    array = require_finite(name, value)
+    if array.ndim:
+        raise ValueError(f"{name} must be one number, but an array of shape {array.shape} was given")
+    return float(array)
+
+
+def require_whole(name, value, low=0, high=np.inf):
+    """Return `value` as an int; raise ValueError unless it is one whole number, low <= value <= high."""
+    number = require_scalar(name, value)
+    if number != np.floor(number) or not low <= number <= high:
+        ends = f"from {low:g} up" if high == np.inf else f"from {low:g} to {high:g}"
+        raise ValueError(f"{name} must be a whole number {ends}, but {number:g} was given")
+    return int(number)
+
+
+def require_interval(name, value, low=-np.inf, high=np.inf):
+    """Return `value` as two floats; raise ValueError unless they are (a, b) with low <= a < b <= high."""
+    start, end = map(float, require_shape(name, require_finite(name, value), (2,)))
+    if not low <= start < end <= high:
+        within = "" if (low, high) == (-np.inf, np.inf) else f" within {low:g} to {high:g}"
+        raise ValueError(
+            f"{name} must be (low, high) with low below high{within}, but ({start:g}, {end:g}) was given"
+        )
+    return start, end
+
+
 def require_shape(name, value, shape):
     """Return `value` as a float array whose last axes are `shape`; None stands for any length.
 

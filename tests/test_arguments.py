@@ -5,9 +5,12 @@ from labsim.arguments import (
     require_between,
     require_choice,
     require_finite,
+    require_interval,
     require_not_negative,
     require_positive,
+    require_scalar,
     require_shape,
+    require_whole,
 )
 
 
@@ -39,6 +42,22 @@ def test_negative_numbers_are_refused_by_name(value):
             r"v must have shape \(..., n, 3\), but \(4, 2\)",
         ),
         (lambda: require_shape("v", 1.0, (3,)), "v must have shape"),
+        (lambda: require_scalar("depth", [1.0]), r"depth must be one number, but an array of shape \(1,\)"),
+        (
+            lambda: require_whole("trials", 2.5, 1),
+            "trials must be a whole number from 1 up, but 2.5 was given",
+        ),
+        (lambda: require_whole("span", 1, 2, 8), "span must be a whole number from 2 to 8, but 1 was given"),
+        (lambda: require_whole("span", 9, 2, 8), "span must be a whole number from 2 to 8, but 9 was given"),
+        (
+            lambda: require_interval("band", (3.0, 3.0)),
+            r"band must be \(low, high\) with low below high, but \(3, 3\) was given",
+        ),
+        (
+            lambda: require_interval("band", (1.0, 9.0), 0, 8),
+            r"band must be \(low, high\) with low below high within 0 to 8, but \(1, 9\) was given",
+        ),
+        (lambda: require_interval("band", 3.0), r"band must have shape \(..., 2\)"),
         (
             lambda: require_choice("fit", "cubic", ("raw", "line")),
             "fit must be one of 'raw', 'line', but 'cubic'",
@@ -55,3 +74,7 @@ def test_good_arguments_come_back_as_float_arrays_of_any_batch():
     assert require_shape("v", np.zeros((5, 7, 3)), (None, 3)).shape == (5, 7, 3)
     np.testing.assert_array_equal(require_between("angle", [0, 1], 0, 1), [0.0, 1.0])
     assert require_choice("fit", "raw", ("raw", "line")) == "raw"
+    assert require_interval("band", [0, 8], 0, 8) == (0.0, 8.0)
+    assert require_scalar("depth", np.int64(3)) == 3.0
+    whole = require_whole("trials", 3.0, 3, 3)
+    assert whole == 3 and isinstance(whole, int)
