@@ -56,10 +56,10 @@ def easiest_course(answer):
     """A course at which the paper's estimator is best, for a vessel first seen at 60 degrees; in degrees."""
     if answer is ... or answer is None:
         return NOT_ANSWERED
-    number = check_number(answer, answer, 0.0)
-    if not number.right:
-        return number
-    off = np.degrees(np.arccos(np.abs(np.cos(np.radians(float(answer) - 150.0)))))
+    try:
+        off = abs((float(answer) - 60.0) % 180.0 - 90.0)
+    except (TypeError, ValueError):
+        return Feedback("look again", f"the answer must be one number, but it is {answer!r}")
     if off <= 5:
         return Feedback("right", "across the first line of sight an error of the first bearing drops out")
     if off >= 85:
@@ -78,9 +78,9 @@ def common_scale(answer):
     except (TypeError, ValueError):
         return Feedback("look again", "the answer must be a pair of numbers: (paper's estimator, centred)")
     expected = common_scale_change()
-    if abs(tied - expected[0]) > 0.02 * expected[0]:
+    if not abs(tied - expected[0]) <= 0.02 * expected[0]:
         return Feedback("look again", "paper's estimator: compare the last course with the one for scale 1")
-    if abs(centred - expected[1]) > 0.05:
+    if not abs(centred - expected[1]) <= 0.05:
         return Feedback("look again", "centred: the first point must carry the scale like all the others")
     return Feedback(
         "right", "a scale moves every point along its own line of sight: the line keeps its direction"

@@ -41,7 +41,17 @@ def test_expected_delay(answer, words):
 
 @pytest.mark.parametrize(
     "answer, words",
-    [(150, None), (330, None), (-30, None), (147, None), (60, "along"), (240, "along"), (180, "vanish")],
+    [
+        (150, None),
+        (330, None),
+        (-30, None),
+        (147, None),
+        (60, "along"),
+        (240, "along"),
+        (180, "vanish"),
+        (np.inf, "vanish"),
+        (144, "vanish"),
+    ],
 )
 def test_easiest_course(answer, words):
     feedback = exercises.easiest_course(answer)
@@ -56,6 +66,8 @@ def test_common_scale_moves_the_papers_course_and_not_the_centred_one():
     assert "paper's estimator" in exercises.common_scale((1.0, 0.0)).hint
     assert "centred" in exercises.common_scale((tied, 2.0)).hint
     assert "pair" in exercises.common_scale(tied).hint
+    for pair in ((np.nan, np.nan), (np.nan, 0.0), (tied, np.nan), (np.inf, 0.0)):
+        assert exercises.common_scale(pair).status == "look again"
 
 
 def test_averaging_has_a_best_length_between_noise_and_smear():
