@@ -16,6 +16,8 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import PythonLexer
 
+from labsim.arguments import require_interval, require_positive
+
 __all__ = ["Lab", "choice", "interval", "show_source", "slider", "still", "switch"]
 
 
@@ -24,6 +26,8 @@ def slider(label, low, high, start, step=None, log=False):
 
     Raises ValueError for a start outside, or off the steps counted from low: a browser would move it.
     """
+    if log:
+        require_positive(f"low of {label!r}", low)
     whole = all(isinstance(number, int) for number in (low, high, start, step or 1)) and not log
     ends = (np.log10(low), np.log10(high), np.log10(start)) if log else (low, high, start)
     step = _step(label, *ends, step or (1 if whole else None))
@@ -36,7 +40,8 @@ def slider(label, low, high, start, step=None, log=False):
 
 
 def interval(label, low, high, start, step=None):
-    """Two numbers between low and high, the first not above the second."""
+    """Two numbers between low and high, the first below the second, both there at the start."""
+    require_interval(f"start of {label!r}", start, low, high)
     step = step or (high - low) / 100
     return ipywidgets.FloatRangeSlider(
         value=start, min=low, max=high, step=step, description=label, readout_format=_readout(False, step)
@@ -104,12 +109,13 @@ class Lab:
     def _changed(self, _):
         try:
             self.update()
-        except ValueError as error:
-            self._say(f"<b>Not possible:</b> {escape(str(error))}")
         except Exception as error:
-            self._say(
-                f"<b>A fault of the lab, not yours:</b> {escape(type(error).__name__)}: {escape(str(error))}"
-            )
+            # numpy's failures in linear algebra are ValueErrors, too, but no answer to what was asked
+            if isinstance(error, ValueError) and not isinstance(error, np.linalg.LinAlgError):
+                self._say(f"<b>Not possible:</b> {escape(str(error))}")
+            else:
+                said = f"{type(error).__name__}: {error}"
+                self._say(f"<b>A fault of the lab, not yours:</b> {escape(said)}")
 
     def _say(self, html):
         self._status.value = f'<div role="status" aria-live="polite" style="line-height:1.4">{html}</div>'

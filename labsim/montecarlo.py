@@ -13,7 +13,7 @@ from concurrent.futures import BrokenExecutor
 
 import numpy as np
 
-from labsim.arguments import require_positive
+from labsim.arguments import require_positive, require_whole
 
 ATTEMPTS = 3
 
@@ -38,26 +38,18 @@ def run(study, trials, seed, batch=100, workers=None, progress=False, patience=6
     """
     from multiprocessing import TimeoutError as Waited  # joblib's way to say it
 
-    from joblib import Parallel, delayed  # a quarter of a second, spared to those who run no study
-    from threadpoolctl import threadpool_limits
-
-    trials, batch = _count("trials", trials), _count("batch", batch)
-    patience = float(require_positive("patience", patience))
+    trials, batch = require_whole("trials", trials, 1), require_whole("batch", batch, 1)
+    require_positive("patience", patience)
     sizes = [min(batch, trials - start) for start in range(0, trials, batch)]
     seeds = np.random.SeedSequence(seed).spawn(len(sizes))
     parts, began = {}, time.monotonic()
     for attempt in range(1, ATTEMPTS + 1):
-        tasks = [delayed(_batch)(study, i, seeds[i], sizes[i]) for i in range(len(sizes)) if i not in parts]
-        parallel = Parallel(workers, batch_size=1, timeout=patience, return_as="generator_unordered")
+        left = [(study, i, seeds[i], sizes[i]) for i in range(len(sizes)) if i not in parts]
         try:
-            with threadpool_limits(1), warnings.catch_warnings():
-                warnings.filterwarnings(
-                    "ignore", "The backend class 'SequentialBackend' does not support timeout"
-                )
-                for index, part in parallel(tasks):
-                    parts[index] = part
-                    if progress:
-                        _show(sum(sizes[i] for i in parts), trials, time.monotonic() - began)
+            for index, part in _results(left, workers, patience):
+                parts[index] = part
+                if progress:
+                    _show(sum(sizes[i] for i in parts), trials, time.monotonic() - began)
             return _joined([parts[i] for i in range(len(sizes))])
         except BrokenExecutor as error:
             if attempt == ATTEMPTS:
@@ -67,6 +59,17 @@ def run(study, trials, seed, batch=100, workers=None, progress=False, patience=6
         except Exception as error:
             error.add_note(_missing(parts, sizes))
             raise
+
+
+def _results(batches, workers, patience):
+    """The results of the batches, each as soon as it is there."""
+    from joblib import Parallel, delayed  # a quarter of a second, spared to those who run no study
+    from threadpoolctl import threadpool_limits
+
+    parallel = Parallel(workers, batch_size=1, timeout=patience, return_as="generator_unordered")
+    with threadpool_limits(1), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "The backend class 'SequentialBackend' does not support timeout")
+        yield from parallel(delayed(_batch)(*batch) for batch in batches)
 
 
 def _batch(study, index, seed, trials):
@@ -98,10 +101,3 @@ def _missing(parts, sizes):
 def _show(done, trials, seconds):
     end = "\n" if done == trials else ""
     print(f"\r{done} of {trials} trials, {seconds:.0f} s", end=end, file=sys.stderr, flush=True)
-
-
-def _count(name, value):
-    number = float(require_positive(name, value))
-    if number != int(number):
-        raise ValueError(f"{name} must be a whole number, but {value} was given")
-    return int(number)

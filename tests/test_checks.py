@@ -2,6 +2,7 @@
 
 import pytest
 
+from labsim import checks
 from labsim.checks import Claim, ClaimsTable, check_choice, check_number, verdict
 
 
@@ -64,3 +65,20 @@ def test_a_claims_table_reads_as_text_and_as_a_table():
 def test_a_claim_needs_a_verdict_of_the_house():
     with pytest.raises(ValueError, match="verdict must be one of 'holds'"):
         Claim("all is well", "yes", "yes", "certainly")
+
+
+def test_a_table_escapes_what_html_would_read():
+    shown = checks.Table(("a < b",), [("1 & 2",)])._repr_html_()
+    assert "a &lt; b" in shown and "1 &amp; 2" in shown
+
+
+def test_a_table_with_a_row_too_short_is_refused():
+    with pytest.raises(ValueError, match="rows must have 2 values"):
+        checks.Table(("a", "b"), [(1, 2), (3,)])
+
+
+def test_a_complete_installation_is_right_and_a_missing_package_is_named(monkeypatch):
+    assert checks.check_installation().right
+    monkeypatch.setattr(checks, "find_spec", lambda name: None if name == "scipy" else object())
+    found = checks.check_installation()
+    assert not found.right and "missing: scipy;" in found.hint and "python3 -m labsim" in found.hint

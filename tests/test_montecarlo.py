@@ -217,10 +217,10 @@ def group_lives(group):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"trials": 0}, "trials must be above 0, but 0 was given"),
-        ({"trials": 2.5}, "trials must be a whole number, but 2.5 was given"),
+        ({"trials": 0}, "trials must be a whole number from 1 up, but 0 was given"),
+        ({"trials": 2.5}, "trials must be a whole number from 1 up, but 2.5 was given"),
         ({"trials": "many"}, "trials must be a number"),
-        ({"batch": -1}, "batch must be above 0, but -1 was given"),
+        ({"batch": -1}, "batch must be a whole number from 1 up, but -1 was given"),
         ({"batch": np.nan}, "batch must be finite"),
         ({"patience": 0}, "patience must be above 0"),
     ],
