@@ -57,10 +57,10 @@ def check_number(answer, expected, tolerance, hint="", mistakes=()):
 
 
 def check_choice(answer, expected, choices, hint=""):
-    """Feedback on an answer that is one of `choices`, or ... while unanswered."""
+    """Feedback on an answer that is one of `choices`, which are words, or ... while unanswered."""
     if answer is ... or answer is None:
         return NOT_ANSWERED
-    if answer not in choices:
+    if not isinstance(answer, str) or answer not in choices:
         return Feedback("look again", f"the answer must be one of {', '.join(map(repr, choices))}")
     return Feedback("right") if answer == expected else Feedback("look again", hint)
 

@@ -1,12 +1,16 @@
 """What several tests share: where the notebooks are and what is in them."""
 
 import json
+import re
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 SLIDER_TABLE = "from key press to new picture"
 SOLUTIONS = sorted((ROOT / "notebooks" / "solutions").glob("*.ipynb"))
+PLACES_ON_A_MACHINE = re.compile(
+    rf"{re.escape(str(ROOT))}|/(home|root|tmp|Users)/|[A-Z]:\\\\|0x[0-9a-f]{{8}}"
+)
 
 
 def read_notebook(path):

@@ -57,7 +57,7 @@ def range_from_two_delays(answer):
 
 def what_to_average(answer):
     """Which of "range", "curvature" or "delay difference" may be averaged for a target at rest; two may."""
-    if answer is not ... and answer == "delay difference":
+    if isinstance(answer, str) and answer == "delay difference":
         answer = "curvature"
     return check_choice(
         answer,
