@@ -12,13 +12,20 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.special import ndtr
 
-from labsim.arguments import require_between, require_choice, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_choice,
+    require_finite,
+    require_interval,
+    require_not_negative,
+    require_positive,
+    require_scalar,
+    require_shape,
+)
 from labsim.metrics import angle_difference
 
-NO_PARTNER = -1
-AMBIGUOUS = -2
-FALSE_ALARM = -1
-NOTHING = -2
+NO_PARTNER, AMBIGUOUS = -1, -2  # in place of the index of a partner
+FALSE_ALARM, NOTHING = -3, -4  # in place of the index of a source
 
 
 @dataclass(frozen=True)
@@ -50,15 +57,16 @@ class AttackScenario:
         sources = len(self.start_range)
         for name in ("start_range", "bearing_deg", "heading_deg", "speed"):
             require_shape(name, require_finite(name, getattr(self, name)), (sources,))
-        for name in ("start_range", "baseline", "error_deg", "period", "duration"):
-            require_positive(name, getattr(self, name))
-        require_between("speed", self.speed, 0, np.inf)
-        require_between("own_speed", self.own_speed, 0, np.inf)
-        require_between("false_alarms", self.false_alarms, 0, np.inf)
-        require_between("detection_probability", self.detection_probability, 0, 1)
-        require_between("range_margin", self.range_margin, 0, 0.99)
-        _require_interval("false_alarm_sector_deg", *self.false_alarm_sector_deg)
-        _require_interval("false_alarm_range", *self.false_alarm_range)
+        require_positive("start_range", self.start_range)
+        require_not_negative("speed", self.speed)
+        for name in ("baseline", "error_deg", "minimum_range", "period", "duration"):
+            require_positive(name, require_scalar(name, getattr(self, name)))
+        for name in ("own_speed", "false_alarms"):
+            require_not_negative(name, require_scalar(name, getattr(self, name)))
+        for name, most in (("detection_probability", 1), ("range_margin", 0.99)):
+            require_between(name, require_scalar(name, getattr(self, name)), 0, most)
+        require_interval("false_alarm_sector_deg", self.false_alarm_sector_deg)
+        require_interval("false_alarm_range", self.false_alarm_range, low=0)
         if not self.minimum_range > self.baseline:
             raise ValueError(
                 f"minimum_range must be above the baseline, {self.baseline:g} m, "
@@ -137,9 +145,9 @@ def printed_gate(theta, first_error, second_error, baseline, low, up=np.inf):
     return np.where(side > 0, inner, -outer), np.where(side > 0, outer, -inner)
 
 
-def gate_size(theta, first_error, second_error, baseline, low, up=np.inf):
-    """Width of the gate, radians (Xu 2022, section 1.2). Arguments as for `bearing_gate`."""
-    lower, upper = bearing_gate(theta, first_error, second_error, baseline, low, up)
+def gate_size(theta, first_error, second_error, baseline, low):
+    """Width of the minimum-range gate, radians (Xu 2022, section 1.2). Arguments as for `bearing_gate`."""
+    lower, upper = bearing_gate(theta, first_error, second_error, baseline, low)
     return upper - lower
 
 
@@ -169,7 +177,7 @@ def gate_coverage(theta, target_range, first_sigma, second_sigma, bounds, baseli
     """
     require_positive("first_sigma", first_sigma)
     require_positive("second_sigma", second_sigma)
-    bounds = require_between("bounds", bounds, 0, np.inf)
+    bounds = require_not_negative("bounds", bounds)
     lower, upper = bearing_gate(theta, bounds * first_sigma, bounds * second_sigma, baseline, low, up)
     own = theta + parallax(theta, target_range, baseline)
     left, right = theta - bounds * first_sigma, theta + bounds * first_sigma
@@ -304,12 +312,12 @@ def null_pairing_cost(spread, detection_probability, false_alarm_density):
     return np.maximum(2 * spread**2 * np.log(odds * peak / false_alarm_density), 0.0)
 
 
-def track_cost(first, second, allowed=True):
+def track_cost(first, second):
     """Mean squared bearing difference between whole tracks, (..., n, m), rad^2; infinite if never both seen.
 
-    first, second : (..., scans, n) and (..., scans, m), one track a column; allowed as in `nearest_bearing`
+    first, second : (..., scans, n) and (..., scans, m), one track a column
     """
-    square = squared_difference(first, second, allowed)
+    square = squared_difference(first, second)
     seen = np.isfinite(square)
     count = np.count_nonzero(seen, axis=-3)
     total = np.sum(np.where(seen, square, 0.0), axis=-3)
@@ -379,11 +387,6 @@ def _require_range(name, value):
     if np.any(value <= 0):
         raise ValueError(f"{name} must be above 0 m, but {np.min(value):g} was given")
     return value
-
-
-def _require_interval(name, low, high):
-    if not low < high:
-        raise ValueError(f"{name} must be (low, high) with low below high, but ({low:g}, {high:g}) was given")
 
 
 def _require_gate(left, right, first_error, second_error, baseline, low, up):

@@ -10,11 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labsim.arguments import require_between, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_finite,
+    require_interval,
+    require_not_negative,
+    require_positive,
+    require_scalar,
+    require_shape,
+    require_whole,
+)
 from labsim.noise import power_ratio
 
-CLUTTER = -1
-NOTHING = -2
+CLUTTER, NOTHING = -3, -4  # in place of the index of a target
 
 
 @dataclass(frozen=True)
@@ -58,17 +66,24 @@ class BistaticScenario:
     )
 
     def __post_init__(self):
-        for name in ("sound_speed", "frequency", "period", "scans", "spacing", "bandwidth", "pulse_length"):
-            require_positive(name, getattr(self, name))
+        for name in ("sound_speed", "frequency", "period", "spacing", "bandwidth", "pulse_length"):
+            require_positive(name, require_scalar(name, getattr(self, name)))
         for name in ("bearing_floor_deg", "delay_floor", "doppler_floor", "clutter_rate"):
-            require_between(name, getattr(self, name), 0, np.inf)
-        require_between("elements", self.elements, 2, np.inf)
+            require_not_negative(name, require_scalar(name, getattr(self, name)))
+        for name in ("source_level_db", "noise_level_db", "absorption_db_per_km", "detection_probability"):
+            require_scalar(name, getattr(self, name))
         require_between("detection_probability", self.detection_probability, 0, 1)
-        require_shape("targets", require_finite("targets", np.reshape(self.targets, (-1, 6))), (6,))
-        for name in ("snr_limits_db", "bearing_region_deg", "doppler_region", "clutter_snr_db"):
-            _require_interval(name, getattr(self, name))
-        _require_interval("delay_region", self.delay_region)
+        require_whole("scans", self.scans, 1)
+        require_whole("elements", self.elements, 2)
+        for name in ("receiver", "source", "target_strength_db"):
+            _require_pair(name, getattr(self, name))
+        for name in ("bearing_region_deg", "delay_region", "doppler_region"):
+            require_interval(name, getattr(self, name))
+        for name in ("snr_limits_db", "clutter_snr_db"):
+            require_interval(name, getattr(self, name))
         _require_delay("delay_region", self.delay_region, *self.geometry)
+        targets = np.reshape(require_finite("targets", self.targets), (-1, 6))
+        _require_slower("velocity of targets", targets[:, 3::2], self.sound_speed)
 
     @property
     def geometry(self):
@@ -109,9 +124,10 @@ def bearing_and_delay(position, receiver, source, sound_speed):
     position : (..., 2), m. Returns (bearing, delay): radians from the x axis, s.
     Raises ValueError for a target at the receiver, where there is no bearing.
     """
-    to_receiver, to_source = _distances(position, receiver, source)
-    x, y = np.moveaxis(np.asarray(position, dtype=float) - receiver, -1, 0)
-    return np.arctan2(y, x), (to_receiver + to_source) / require_positive("sound_speed", sound_speed)
+    require_positive("sound_speed", sound_speed)
+    (near, _), (far, _) = _lines_of_sight(position, receiver, source)
+    line = np.asarray(position, dtype=float) - receiver
+    return np.arctan2(line[..., 1], line[..., 0]), (near + far) / sound_speed
 
 
 def doppler_ratio(position, velocity, receiver, source, sound_speed):
@@ -120,13 +136,10 @@ def doppler_ratio(position, velocity, receiver, source, sound_speed):
     position, velocity : (..., 2), m and m/s. Returns (...). Raises ValueError for a target at the source or
     the receiver, or one not slower than sound.
     """
-    velocity = require_finite("velocity", velocity)
-    to_receiver, to_source = _distances(position, receiver, source)
-    towards_source = _dot(velocity, np.asarray(source) - position) / to_source / sound_speed
-    towards_receiver = _dot(velocity, np.asarray(receiver) - position) / to_receiver / sound_speed
-    if np.any(_dot(velocity, velocity) >= sound_speed**2):
-        raise ValueError(f"velocity must be slower than sound, {sound_speed:g} m/s")
-    return (1 + towards_source) / (1 - towards_receiver)
+    _require_slower("velocity", velocity, sound_speed)
+    (_, to_receiver), (_, to_source) = _lines_of_sight(position, receiver, source)
+    towards_source, towards_receiver = _dot(velocity, to_source), _dot(velocity, to_receiver)
+    return (1 + towards_source / sound_speed) / (1 - towards_receiver / sound_speed)
 
 
 def locate(bearing, delay, receiver, source, sound_speed):
@@ -176,31 +189,31 @@ def location_covariance(jacobian, bearing_variance, delay_variance):
 
 
 def observe(state, frequency, receiver, source, sound_speed):
-    """Predicted (bearing, delay, Doppler shift) of states and its derivatives, for a filter.
+    """Bearing, delay and Doppler shift that states predict (Ma et al. 2023, eqs. 1-3), and their derivatives.
 
     state : (..., 4), [x, vx, y, vy]. Returns (values (..., 3), jacobian (..., 3, 4)) in rad, s, Hz.
-    Raises ValueError for a target at the source or the receiver.
+    Raises ValueError as `doppler_ratio` does.
     """
     position, velocity = np.asarray(state)[..., 0::2], np.asarray(state)[..., 1::2]
-    to_receiver, to_source = _distances(position, receiver, source)
-    unit_receiver = (np.asarray(receiver) - position) / to_receiver[..., None]
-    unit_source = (np.asarray(source) - position) / to_source[..., None]
-    up = 1 + _dot(velocity, unit_source) / sound_speed
-    down = 1 - _dot(velocity, unit_receiver) / sound_speed
-    values = np.empty((*to_receiver.shape, 3))
-    values[..., 0] = np.arctan2(-unit_receiver[..., 1], -unit_receiver[..., 0])
-    values[..., 1] = (to_receiver + to_source) / sound_speed
-    values[..., 2] = frequency * (up / down - 1)
-    jacobian = np.zeros((*to_receiver.shape, 3, 4))
-    jacobian[..., 0, 0] = unit_receiver[..., 1] / to_receiver
-    jacobian[..., 0, 2] = -unit_receiver[..., 0] / to_receiver
-    jacobian[..., 1, 0::2] = -(unit_receiver + unit_source) / sound_speed
-    ratio, gain = (up / down)[..., None], (frequency / (sound_speed * down))[..., None]
-    jacobian[..., 2, 1::2] = gain * (unit_source + ratio * unit_receiver)
-    jacobian[..., 2, 0::2] = gain * (
-        _turn(velocity, unit_source, to_source) + ratio * _turn(velocity, unit_receiver, to_receiver)
-    )
+    bearing, delay = bearing_and_delay(position, receiver, source, sound_speed)
+    ratio = doppler_ratio(position, velocity, receiver, source, sound_speed)
+    values = np.stack([bearing, delay, frequency * (ratio - 1)], axis=-1)
+    (near, to_receiver), (far, to_source) = _lines_of_sight(position, receiver, source)
+    jacobian = np.zeros((*values.shape, 4))
+    jacobian[..., 0, 0] = to_receiver[..., 1] / near
+    jacobian[..., 0, 2] = -to_receiver[..., 0] / near
+    jacobian[..., 1, 0::2] = -(to_receiver + to_source) / sound_speed
+    ratio = ratio[..., None]
+    gain = frequency / (sound_speed - _dot(velocity, to_receiver))[..., None]
+    jacobian[..., 2, 1::2] = gain * (to_source + ratio * to_receiver)
+    turn = _turn(velocity, to_source, far) + ratio * _turn(velocity, to_receiver, near)
+    jacobian[..., 2, 0::2] = gain * turn
     return values, jacobian
+
+
+def observer(scenario):
+    """`observe` with the scenario's geometry and frequency, as a filter takes it: a function of states."""
+    return lambda state: observe(state, scenario.frequency, *scenario.geometry)
 
 
 def bearing_bound(snr, bearing, frequency, elements, spacing, sound_speed, factor=12):
@@ -246,9 +259,8 @@ def target_strength(position, velocity, receiver, source, limits_db):
 
     limits_db : (end-on, broadside); the aspect is the angle from the heading to the bistatic bisector.
     """
-    to_receiver, to_source = _distances(position, receiver, source)
-    bisector = (np.asarray(receiver) - position) / to_receiver[..., None]
-    bisector = bisector + (np.asarray(source) - position) / to_source[..., None]
+    (_, to_receiver), (_, to_source) = _lines_of_sight(position, receiver, source)
+    bisector = to_receiver + to_source
     lengths = _dot(bisector, bisector) * _dot(velocity, velocity)
     along = _dot(bisector, np.asarray(velocity)) ** 2 / np.where(lengths > 0, lengths, 1.0)
     return limits_db[0] + (limits_db[1] - limits_db[0]) * (1 - along)
@@ -260,7 +272,7 @@ def echo_snr_db(scenario, position, velocity):
     Mended: eq. 7 subtracts the detection threshold too; the signal excess plus that threshold is the SNR.
     position, velocity : (..., 2). Returns (...).
     """
-    legs = _distances(position, scenario.receiver, scenario.source)
+    legs = [leg for leg, _ in _lines_of_sight(position, scenario.receiver, scenario.source)]
     loss = sum(20 * np.log10(leg) + scenario.absorption_db_per_km * leg / 1_000 for leg in legs)
     strength = target_strength(
         position, velocity, scenario.receiver, scenario.source, scenario.target_strength_db
@@ -306,7 +318,7 @@ def simulate_detections(rng, scenario, runs=()):
     alive = np.isfinite(states[..., 0])
     elsewhere = [scenario.receiver[0] + 1.0, 0.0, scenario.receiver[1] + 1.0, 0.0]
     states = np.where(alive[..., None], states, elsewhere)
-    values, _ = observe(states, scenario.frequency, *scenario.geometry)
+    values, _ = observer(scenario)(states)
     snr = power_ratio(echo_snr_db(scenario, states[..., 0::2], states[..., 1::2]))
     spread = np.sqrt(measurement_variance(scenario, values[..., 0], snr))
     noisy = values + spread * rng.standard_normal((*shape, 3))
@@ -326,10 +338,10 @@ def clutter_density(scenario, doppler=False):
     return scenario.clutter_rate / (volume * np.ptp(scenario.doppler_region) if doppler else volume)
 
 
-def region_area(scenario, bearings=2_000):
-    """Area of the map that the bearing and delay regions cover, m^2."""
+def region_area(scenario):
+    """Area of the map that the bearing and delay regions cover, m^2, by the midpoint rule over bearing."""
     low, high = np.radians(scenario.bearing_region_deg)
-    bearing = low + (high - low) * (np.arange(bearings) + 0.5) / bearings
+    bearing = low + (high - low) * (np.arange(2_000) + 0.5) / 2_000
     near, far = (ellipse_range(bearing, delay, *scenario.geometry) for delay in scenario.delay_region)
     return float(np.mean(far**2 - near**2) / 2 * (high - low))
 
@@ -381,7 +393,7 @@ def _turn(velocity, unit, distance):
 
 
 def _dot(a, b):
-    return np.sum(a * b, axis=-1)
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
 
 
 def _baseline(receiver, source):
@@ -391,13 +403,16 @@ def _baseline(receiver, source):
     return np.hypot(x, y), np.arctan2(y, x)
 
 
-def _distances(position, receiver, source):
-    position = require_shape("position", position, (2,))
-    legs = [np.linalg.norm(position - np.asarray(end, dtype=float), axis=-1) for end in (receiver, source)]
-    for leg, name in zip(legs, ("receiver", "source"), strict=True):
-        if np.any(leg == 0):
+def _lines_of_sight(position, receiver, source):
+    """(distance (...), unit vector (..., 2)) from the target to the receiver, and the same to the source."""
+    position, lines = require_shape("position", position, (2,)), []
+    for name, end in (("receiver", receiver), ("source", source)):
+        line = np.asarray(end, dtype=float) - position
+        distance = np.hypot(line[..., 0], line[..., 1])
+        if not np.all(distance):
             raise ValueError(f"position must not be at the {name}, but a target was there")
-    return legs
+        lines.append((distance, line / distance[..., None]))
+    return lines
 
 
 def _require_delay(name, delay, receiver, source, sound_speed):
@@ -411,7 +426,14 @@ def _require_delay(name, delay, receiver, source, sound_speed):
     return delay
 
 
-def _require_interval(name, interval):
-    low, high = require_shape(name, require_finite(name, interval), (2,))
-    if not low < high:
-        raise ValueError(f"{name} must be (low, high) with low below high, but ({low:g}, {high:g}) was given")
+def _require_slower(name, velocity, sound_speed):
+    velocity = require_shape(name, require_finite(name, velocity), (2,))
+    speed = np.sqrt(np.max(_dot(velocity, velocity), initial=0.0))
+    if speed >= sound_speed:
+        raise ValueError(f"{name} must be slower than sound, {sound_speed:g} m/s, but {speed:g} was given")
+
+
+def _require_pair(name, value):
+    pair = require_shape(name, require_finite(name, value), (2,))
+    if pair.ndim != 1:
+        raise ValueError(f"{name} must be two numbers, but an array of shape {pair.shape} was given")

@@ -12,7 +12,16 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from labsim.arguments import require_between, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_scalar,
+    require_shape,
+    require_whole,
+)
+from labsim.metrics import angle_difference
 
 STATE = 4
 
@@ -43,13 +52,13 @@ class PhdModel:
 
     def __post_init__(self):
         for name in ("survival", "detection"):
-            require_between(name, getattr(self, name), 0, 1)
-        for name in ("period", "birth_spread", "birth_speed", "gate", "most", "confirm_after"):
-            require_positive(name, getattr(self, name))
-        for name in ("acceleration", "birth_weight", "prune_below", "merge_within", "report_above"):
-            require_between(name, getattr(self, name), 0, np.inf)
-        for name in ("apart", "coast_misses"):
-            require_between(name, getattr(self, name), 0, np.inf)
+            require_between(name, require_scalar(name, getattr(self, name)), 0, 1)
+        for name in ("period", "birth_spread", "birth_speed", "gate"):
+            require_positive(name, require_scalar(name, getattr(self, name)))
+        for name in ("acceleration", "birth_weight", "prune_below", "merge_within", "report_above", "apart"):
+            require_not_negative(name, require_scalar(name, getattr(self, name)))
+        for name, least in (("most", 1), ("confirm_after", 1), ("coast_misses", 0)):
+            require_whole(name, getattr(self, name), least)
         require_finite("birth_sites", self.birth_sites)
 
     @cached_property
@@ -110,9 +119,9 @@ class Measurements:
     def __post_init__(self):
         value = require_shape("value", require_finite("value", self.value), (None, None))
         count, size = value.shape[-2:]
-        require_between("coordinates of value", size, 2, np.inf)
+        require_whole("coordinates of value", size, 2)
         require_covariance("covariance", self.covariance, count, size)
-        require_shape("clutter", require_between("clutter", self.clutter, 0, np.inf), (count,))
+        require_shape("clutter", require_not_negative("clutter", self.clutter), (count,))
 
     def __len__(self):
         return len(self.value)
@@ -134,9 +143,9 @@ class Tracker:
     confirmed_misses: int = 3
 
     def __post_init__(self):
-        require_positive("gate", self.gate)
+        require_positive("gate", require_scalar("gate", self.gate))
         for name in ("confirm_hits", "tentative_misses", "confirmed_misses"):
-            require_between(name, getattr(self, name), 1, np.inf)
+            require_whole(name, getattr(self, name), 1)
 
 
 @dataclass(frozen=True)
@@ -151,12 +160,15 @@ class Run:
     components: np.ndarray
 
 
-def make_mixture(weight, mean, covariance, label=None):
-    """A checked Mixture; raises ValueError for shapes that differ, negative weights, bad covariances."""
-    weight = require_shape("weight", require_between("weight", weight, 0, np.inf), (None,))
+def make_mixture(weight, mean, covariance):
+    """A checked Mixture, labelled 0, 1, ...
+
+    Raises ValueError for shapes that differ, negative weights, bad covariances.
+    """
+    weight = require_shape("weight", require_not_negative("weight", weight), (None,))
     mean = require_shape("mean", require_finite("mean", mean), (weight.size, STATE))
     covariance = require_covariance("covariance", covariance, weight.size, STATE)
-    return Mixture(weight, mean, covariance, np.arange(weight.size) if label is None else np.asarray(label))
+    return Mixture(weight, mean, covariance, np.arange(weight.size))
 
 
 def empty_mixture():
@@ -219,7 +231,7 @@ def gated_pairs(mixture, measurements, observe, gate):
     predicted, jacobian = observe(mixture.mean)
     innovation = measurements.value[None] - predicted[:, None]
     if measurements.angle_first:
-        innovation[..., 0] = (innovation[..., 0] + np.pi) % (2 * np.pi) - np.pi
+        innovation[..., 0] = angle_difference(measurements.value[:, 0], predicted[:, None, 0])
     plane = jacobian[:, :2]
     own = plane @ mixture.covariance @ plane.swapaxes(1, 2)
     spread = own[:, None] + measurements.covariance[:, :2, :2]
@@ -282,6 +294,7 @@ def merge(mixture, within):
 
 def cap(mixture, most):
     """Keep the `most` heaviest components."""
+    most = require_whole("most", most)
     if len(mixture) <= most:
         return mixture
     return mixture.take(np.argsort(-mixture.weight, kind="stable")[:most])
@@ -416,22 +429,32 @@ def _new_tracks(measurements, free, model):
 
 
 def _squared_distances(mixture):
+    """Squared Mahalanobis distance of mean i from mean j in the covariance of j, (J, J).
+
+    With A_j the inverse of covariance j, it is x_i' A_j x_i - 2 x_i' A_j x_j + x_j' A_j x_j:
+    a row made of x_i times a column made of x_j and A_j, so that one matrix product gives all pairs.
+    """
     count = len(mixture)
-    precision = np.linalg.inv(mixture.covariance)
-    centred = mixture.mean - mixture.mean.mean(axis=0)
-    outer = (centred[:, :, None] * centred[:, None, :]).reshape(count, -1)
-    turned = np.einsum("nij,nj->ni", precision, centred)
-    own = np.einsum("ni,ni->n", turned, centred)[:, None]
-    rows = np.concatenate([outer, -2 * centred, np.ones((count, 1))], axis=1)
-    columns = np.concatenate([precision.reshape(count, -1), turned, own], axis=1)
+    inverse = np.linalg.inv(mixture.covariance)
+    x = mixture.mean - mixture.mean.mean(axis=0)
+    turned = np.einsum("jkl,jl->jk", inverse, x)
+    constant = np.einsum("jk,jk->j", x, turned)[:, None]
+    squares = (x[:, :, None] * x[:, None, :]).reshape(count, -1)
+    rows = np.concatenate([squares, -2 * x, np.ones((count, 1))], axis=1)
+    columns = np.concatenate([inverse.reshape(count, -1), turned, constant], axis=1)
     return rows @ columns.T
 
 
 def _clusters(near):
+    """Clusters of components ordered by weight: the first that is still free takes all free ones near it.
+
+    near : (J, J) of bool, whether component j is near component i in the covariance of j
+    Returns (heads (K,), cluster (J,)): the index of each cluster's first, and the cluster of each component.
+    """
     np.fill_diagonal(near, True)
-    lonely = (np.count_nonzero(near, axis=0) == 1) & (np.count_nonzero(near, axis=1) == 1)
-    head = np.where(lonely, np.arange(len(near)), -1)
-    for index in np.flatnonzero(~lonely):
+    alone = (np.count_nonzero(near, axis=0) == 1) & (np.count_nonzero(near, axis=1) == 1)
+    head = np.where(alone, np.arange(len(near)), -1)
+    for index in np.flatnonzero(~alone):
         if head[index] < 0:
             head[near[index] & (head < 0)] = index
     return np.unique(head, return_inverse=True)

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.special import erf
+from scipy.stats import norm
 
 from labsim import bearing_gate as bg
 from labsim.metrics import angle_difference
@@ -124,29 +126,30 @@ def test_coverage_in_closed_form_agrees_with_monte_carlo(bounds, up):
 
 
 def test_a_one_sigma_gate_covers_most_but_its_premise_holds_less_than_half_the_time():
-    rng = np.random.default_rng(4)
-    within = np.mean(np.all(np.abs(rng.standard_normal((2, 200_000))) < 1, axis=0))
-    assert within == pytest.approx(0.466, abs=5 * 0.0011)
-    third = 2
-    first, _, target_range = bg.true_bearings(CLEAN, np.array([0.0]))
-    covered = bg.gate_coverage(first - np.pi, target_range, CLEAN.error, CLEAN.error, 1.0, 800.0, 7_000.0)
-    assert covered[0, third] == pytest.approx(0.970, abs=0.002)
+    # both errors within one sigma: erf(1 / sqrt 2)^2; 4 x 20 000 scans, standard error 0.0018
+    now = np.array([0.0])
+    scans = bg.simulate_scans(np.random.default_rng(4), CLEAN, now, 20_000)
+    first, second, _ = bg.true_bearings(CLEAN, now)
+    premise = (np.abs(scans.first - first) < CLEAN.error) & (np.abs(scans.second - second) < CLEAN.error)
+    assert premise.mean() == pytest.approx(erf(np.sqrt(0.5)) ** 2, abs=4 * 0.0018)
+    held = bg.in_gate(bg.scan_gates(CLEAN, scans, 1.0), scans.second)[..., np.eye(4, dtype=bool)]
+    assert held.mean() > 0.9 and np.all(held[premise])
 
 
-def test_own_bearing_coverage_follows_the_reference_over_time():
-    # 200 runs, seed 11: within a block 200 x 33 scans, standard error below 0.006
+@pytest.mark.parametrize("kind, bounds", [(MINIMUM, 1.0), (MINIMUM, 2.0), (BOUNDED, 1.0)])
+def test_gates_of_whole_attacks_hold_the_own_bearing_as_often_as_the_closed_form_says(kind, bounds):
+    # 200 runs, seed 11: within a block at least 200 x 21 scans, standard error below 0.008
     scans = bg.simulate_scans(np.random.default_rng(11), CLEAN, CLEAN.time, 200)
-    own = np.eye(4, dtype=bool)
+    held = bg.in_gate(bg.scan_gates(CLEAN, scans, bounds, kind), scans.second)[..., np.eye(4, dtype=bool)]
+    first, _, target_range = bg.true_bearings(CLEAN, CLEAN.time)
+    limits = (7_000.0, np.inf) if kind == MINIMUM else (0.5 * target_range, 1.5 * target_range)
+    formula = bg.gate_coverage(
+        first - np.pi, target_range, CLEAN.error, CLEAN.error, bounds, CLEAN.baseline, *limits
+    )
     block = np.digitize(CLEAN.time, [100, 200, 300])
-    expected = {
-        (MINIMUM, 1): [[0.948, 0.863, 0.473, 0.198], [0.939, 0.810, 0.304, 0.005]],
-        (MINIMUM, 2): [[0.999, 0.993, 0.885, 0.667], [0.998, 0.988, 0.728, 0.114]],
-        (BOUNDED, 1): [[0.961, 0.978, 0.990, 0.985], [0.968, 0.981, 0.995, 0.999]],
-    }
-    for (kind, bounds), rates in expected.items():
-        allowed = bg.in_gate(bg.scan_gates(CLEAN, scans, bounds, kind), scans.second)[..., own]
-        measured = [[allowed[:, block == b, s].mean() for b in range(4)] for s in range(2)]
-        np.testing.assert_allclose(measured, rates, atol=0.02)
+    measured = [held[:, block == b].mean(axis=(0, 1)) for b in range(4)]
+    expected = [formula[block == b].mean(axis=0) for b in range(4)]
+    np.testing.assert_allclose(measured, expected, atol=0.02)
 
 
 def test_the_printed_headings_pass_a_kilometre_away():
@@ -173,8 +176,12 @@ def assigned(scenario, scans, kind=None, null_cost=np.inf):
     return bg.global_assignment(cost, null_cost)
 
 
-def test_assignment_in_the_two_sigma_bounded_gate_reaches_the_required_rates(clean_scans):
-    # 100 runs x 34 or 87 scans x 4 sources, seed 7: standard error about 0.003
+# Rates of pairing rules have no closed form. The values below are regression values: 1000 runs of this code
+# with seed 70 (with clutter 500 with seed 71), standard errors 0.001 (0.0013).
+
+
+def test_assignment_in_the_two_sigma_bounded_gate_is_right_as_often_as_it_was(clean_scans):
+    # 0.961 and 0.925; here 100 runs with seed 7, standard errors 0.0022 and 0.0016
     for when, least in (("early", 0.95), ("late", 0.91)):
         rates = bg.pairing_rates(assigned(CLEAN, clean_scans[when], BOUNDED), clean_scans[when])
         assert rates["correct"] >= least
@@ -185,19 +192,21 @@ def test_a_gate_pays_late_and_not_early(clean_scans):
     def correct(when, kind):
         return bg.pairing_rates(assigned(CLEAN, clean_scans[when], kind), clean_scans[when])["correct"]
 
+    # standard errors of 100 runs: 0.0024 early, 0.0018 late
     assert correct("early", None) == pytest.approx(0.955, abs=0.012)
     assert correct("early", BOUNDED) - correct("early", None) < 0.015
-    assert correct("late", None) == pytest.approx(0.875, abs=0.012)
+    assert correct("late", None) == pytest.approx(0.876, abs=0.012)
     assert correct("late", BOUNDED) - correct("late", None) > 0.03
     assert correct("late", MINIMUM) < correct("late", None) - 0.1
 
 
-def test_the_simple_rules_reach_the_reference_rates(clean_scans):
+def test_the_simple_rules_are_right_as_often_as_they_were(clean_scans):
+    # standard errors of 100 runs: 0.0032 (unique), 0.0035 (nearest), 0.0028 (centre)
     scans = clean_scans["early"]
     gate = bg.scan_gates(CLEAN, scans, 1.0, MINIMUM)
     allowed = bg.in_gate(gate, scans.second)
     unique = bg.pairing_rates(bg.unique_candidate(allowed), scans)
-    np.testing.assert_allclose(list(unique.values()), [0.506, 0.021, 0.023, 0.449, 0.0], atol=0.02)
+    np.testing.assert_allclose(list(unique.values()), [0.506, 0.022, 0.023, 0.449, 0.0], atol=0.02)
     nearest = bg.pairing_rates(bg.nearest_bearing(scans.first, scans.second), scans)
     assert nearest["correct"] == pytest.approx(0.709, abs=0.02)
     wide = bg.scan_gates(CLEAN, scans, 2.0, BOUNDED)
@@ -214,8 +223,8 @@ def test_with_false_alarms_nearest_centre_beats_plain_assignment():
     nearest = bg.pairing_rates(centre, scans)
     plain = bg.pairing_rates(assigned(CLUTTERED, scans, BOUNDED), scans)
     weighed = bg.pairing_rates(assigned(CLUTTERED, scans, BOUNDED, null), scans)
-    assert nearest["correct"] == pytest.approx(0.757, abs=0.02)
-    assert plain["correct"] == pytest.approx(0.703, abs=0.02)
+    assert nearest["correct"] == pytest.approx(0.754, abs=0.02)
+    assert plain["correct"] == pytest.approx(0.699, abs=0.02)
     assert nearest["correct"] > plain["correct"] + 0.02
     assert weighed["false"] < plain["false"]
 
@@ -251,8 +260,9 @@ def test_a_common_offset_of_all_bearings_cannot_change_the_assignment(offset, se
 
 def test_assignment_leaves_alone_what_it_cannot_or_should_not_pair():
     cost = np.array([[1.0, np.inf], [np.inf, np.inf], [2.0, np.inf]])
-    np.testing.assert_array_equal(bg.global_assignment(cost), [0, -1, -1])
-    np.testing.assert_array_equal(bg.global_assignment([[5.0, 9.0], [9.0, 1.0]], null_cost=3.0), [-1, 1])
+    alone = bg.NO_PARTNER
+    np.testing.assert_array_equal(bg.global_assignment(cost), [0, alone, alone])
+    np.testing.assert_array_equal(bg.global_assignment([[5.0, 9.0], [9.0, 1.0]], null_cost=3.0), [alone, 1])
     with pytest.raises(ValueError, match="cost must not be negative or NaN"):
         bg.global_assignment([[np.nan]])
 
@@ -311,16 +321,33 @@ def test_gates_that_cannot_be_are_refused_in_words(arguments, words):
     [
         ({"baseline": 0.0}, "baseline must be above 0"),
         ({"detection_probability": 1.2}, "detection_probability must lie between 0 and 1"),
-        ({"false_alarms": -1.0}, "false_alarms must lie between"),
+        ({"false_alarms": -1.0}, "false_alarms must not be negative"),
+        ({"error_deg": (1.0, 2.0)}, "error_deg must be one number"),
         ({"minimum_range": 500.0}, "minimum_range must be above the baseline"),
         ({"range_margin": 1.5}, "range_margin must lie between"),
         ({"speed": (1.0,)}, "speed must have shape"),
         ({"false_alarm_sector_deg": (10.0, 10.0)}, "false_alarm_sector_deg must be"),
+        ({"false_alarm_range": (-1.0, 10.0)}, "false_alarm_range must be"),
     ],
 )
 def test_scenarios_that_cannot_be_are_refused_in_words(changes, words):
     with pytest.raises(ValueError, match=words):
         replace(CLEAN, **changes)
+
+
+@given(
+    spread=st.floats(0.005, 0.3), detection_probability=st.floats(0.05, 0.99), density=st.floats(1e-3, 1.0)
+)
+def test_at_the_null_cost_a_pair_is_as_likely_as_a_miss_and_a_false_alarm(
+    spread, detection_probability, density
+):
+    difference = np.sqrt(bg.null_pairing_cost(spread, detection_probability, density))
+    pair = detection_probability * norm.pdf(difference, scale=spread)
+    alone = (1 - detection_probability) * density
+    if difference > 0:
+        assert pair == pytest.approx(alone, rel=1e-9)
+    else:
+        assert pair <= alone * (1 + 1e-9)
 
 
 def test_a_null_cost_needs_sensible_probabilities():

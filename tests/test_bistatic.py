@@ -69,13 +69,11 @@ def test_doppler_is_how_the_travel_time_of_successive_sounds_changes(position, v
     assert bs.doppler_ratio(position, velocity, *GEOMETRY) == pytest.approx(ratio, abs=1e-9)
 
 
-def test_the_filters_view_is_the_papers_three_equations():
-    rng = np.random.default_rng(2)
-    state = rng.uniform([-8e3, -8, 300, -8], [8e3, 8, 9e3, 8], (500, 4))
-    values, _ = bs.observe(state, 3_000.0, *GEOMETRY)
-    bearing, delay = bs.bearing_and_delay(state[:, 0::2], *GEOMETRY)
-    ratio = bs.doppler_ratio(state[:, 0::2], state[:, 1::2], *GEOMETRY)
-    np.testing.assert_allclose(values, np.stack([bearing, delay, 3_000 * (ratio - 1)], -1), atol=1e-9)
+def test_an_observer_sees_bearing_delay_and_doppler_in_radians_seconds_and_hertz():
+    # abeam of the source: legs of 5 and 3 km; towards the source at 15 m/s, 15 * 0.6 of it to the receiver
+    values, _ = bs.observer(SCENE)(np.array([4_000.0, 0.0, 3_000.0, -15.0]))
+    expected = [np.arctan2(3, 4), 8_000 / 1_500, 3_000 * (1.01 / 0.994 - 1)]
+    np.testing.assert_allclose(values, expected, rtol=1e-12)
 
 
 @given(places, velocities)
@@ -224,12 +222,12 @@ def test_a_target_is_loud_broadside_and_faint_end_on():
 
 
 def test_snr_follows_the_sonar_equation():
-    position, velocity = np.array([3_000.0, 4_000.0]), np.array([1.0, 0.0])
+    # by hand: legs of 5 and 3 km lose 73.98 + 1.0 and 69.54 + 0.6 dB; 215 - 60 - 145.12 = 9.88 dB, and the
+    # strength is 5 dB along the bisector, which points down (1, 2), and 20 dB across it
     open_scene = replace(SCENE, snr_limits_db=(-200.0, 200.0))
-    strength = bs.target_strength(position, velocity, *GEOMETRY[:2], (5.0, 20.0))
-    legs = 5_000.0, np.hypot(1_000, 4_000)
-    expected = 215 - 60 + strength - sum(20 * np.log10(leg) + 0.2 * leg / 1_000 for leg in legs)
-    assert bs.echo_snr_db(open_scene, position, velocity) == pytest.approx(expected)
+    for velocity, expected in (((1.0, 2.0), 14.88), ((2.0, -1.0), 29.88)):
+        level = bs.echo_snr_db(open_scene, np.array([4_000.0, 3_000.0]), np.array(velocity))
+        assert level == pytest.approx(expected, abs=0.005)
 
 
 def test_the_scene_spans_faint_to_loud():
@@ -273,9 +271,11 @@ def test_each_detection_errs_as_its_own_snr_says():
 def test_loud_echoes_keep_the_floors_and_faint_ones_add_the_bounds():
     floors = [np.radians(0.3) ** 2, 0.010**2, 0.3**2]
     np.testing.assert_allclose(bs.measurement_variance(SCENE, 1.0, 1e12), floors, rtol=1e-6)
-    bound = bs.bearing_bound(2.0, 1.0, 3_000.0, 16, 0.25, 1_500.0)
-    bounds = [bound, bs.delay_bound(2.0, 100.0), bs.doppler_bound(2.0, 1.0)]
-    np.testing.assert_allclose(bs.measurement_variance(SCENE, 1.0, 2.0), np.add(floors, bounds))
+    # by hand, SNR 2, broadside: 12 / (4 pi^2 2 16 255 / 4), 3 / (2 pi^2 100^2 2) and 12 / (4 pi^2 2)
+    bounds = [1.4900e-4, 7.5991e-6, 0.151982]
+    np.testing.assert_allclose(
+        bs.measurement_variance(SCENE, np.pi / 2, 2.0), np.add(floors, bounds), rtol=1e-4
+    )
 
 
 def test_filters_are_told_the_covariance_of_each_detection():
@@ -361,8 +361,10 @@ def test_places_without_an_answer_are_refused_in_words():
         bs.bearing_and_delay([0.0, 0.0], *GEOMETRY)
     with pytest.raises(ValueError, match="position must not be at the source"):
         bs.doppler_ratio([4_000.0, 0.0], [1.0, 0.0], *GEOMETRY)
-    with pytest.raises(ValueError, match="slower than sound"):
-        bs.doppler_ratio([1_000.0, 1_000.0], [1_600.0, 0.0], *GEOMETRY)
+    with pytest.raises(ValueError, match="velocity must be slower than sound, 1500 m/s, but 2000 was given"):
+        bs.doppler_ratio([1_000.0, 1_000.0], [2_000.0, 0.0], *GEOMETRY)
+    with pytest.raises(ValueError, match="velocity must be slower than sound"):
+        bs.observe([1_000.0, 2_000.0, 1_000.0, 0.0], 3_000.0, *GEOMETRY)
     with pytest.raises(ValueError, match="source and receiver must be apart"):
         bs.locate(0.5, 5.0, (0.0, 0.0), (0.0, 0.0), 1_500.0)
     with pytest.raises(ValueError, match="snr must be above 0"):
@@ -373,11 +375,21 @@ def test_places_without_an_answer_are_refused_in_words():
     "changes, words",
     [
         ({"detection_probability": 1.1}, "detection_probability must lie between 0 and 1"),
-        ({"clutter_rate": -1.0}, "clutter_rate must lie between"),
+        ({"clutter_rate": -1.0}, "clutter_rate must not be negative"),
         ({"delay_region": (2.0, 14.0)}, "delay_region must be longer than the direct path's"),
         ({"bearing_region_deg": (170.0, 10.0)}, "bearing_region_deg must be"),
         ({"sound_speed": 0.0}, "sound_speed must be above 0"),
-        ({"elements": 1}, "elements must lie between 2"),
+        ({"elements": 1}, "elements must be a whole number from 2 up"),
+        ({"elements": 2.5}, "elements must be a whole number"),
+        ({"scans": 2.5}, "scans must be a whole number"),
+        ({"period": (1.0, 2.0)}, "period must be one number"),
+        ({"receiver": (np.nan, 0.0)}, "receiver must be finite"),
+        ({"source": (1.0, 0.0, 0.0)}, "source must have shape"),
+        ({"source": ((1.0, 0.0),)}, "source must be two numbers"),
+        (
+            {"targets": ((0, 9, 0.0, 1_200.0, 5_000.0, 900.0),)},
+            "velocity of targets must be slower than sound",
+        ),
     ],
 )
 def test_scenes_that_cannot_be_are_refused_in_words(changes, words):

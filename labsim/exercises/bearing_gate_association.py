@@ -19,11 +19,11 @@ def moving_edge(answer):
     return check_choice(answer, "counter-clockwise", SIDES, hint)
 
 
-def three_sigma_gate(answer, theta_deg=60.0):
-    """Width of the three-sigma minimum-range gate of the paper's arrays at `theta_deg`, degrees."""
-    widths = {
-        bounds: float(np.degrees(_size(np.radians(theta_deg), bounds * SCENARIO.error))) for bounds in (1, 3)
-    }
+def three_sigma_gate(answer):
+    """Width of the three-sigma minimum-range gate of the paper's arrays at theta = 60 degrees, in degrees."""
+    arrays = SCENARIO.baseline, SCENARIO.minimum_range
+    bounds = {count: count * SCENARIO.error for count in (1, 3)}
+    widths = {n: float(np.degrees(bg.gate_size(np.radians(60), b, b, *arrays))) for n, b in bounds.items()}
     mistakes = [
         (widths[1], "that is the one-sigma gate"),
         (
@@ -35,17 +35,19 @@ def three_sigma_gate(answer, theta_deg=60.0):
     return check_number(answer, widths[3], 0.005, "use gate_size with bounds of three times 3°", mistakes)
 
 
-def time_to_failure(answer, closing_speed=30.0, theta_deg=-90.0):
-    """Seconds from 7 km until the two-sigma minimum-range gate holds the own bearing half the time."""
+def time_to_failure(answer):
+    """Seconds from 7 km until the two-sigma gate holds a target abeam, closing at 30 m/s, half the time."""
+    sigma, low = SCENARIO.error, SCENARIO.minimum_range
 
     def excess(target_range):
-        return float(_coverage(np.radians(theta_deg), target_range, 2.0)) - 0.5
+        coverage = bg.gate_coverage(-np.pi / 2, target_range, sigma, sigma, 2.0, SCENARIO.baseline, low)
+        return float(coverage) - 0.5
 
-    failing = brentq(excess, 1_000.0, SCENARIO.minimum_range)
-    expected = (SCENARIO.minimum_range - failing) / closing_speed
+    failing = brentq(excess, 1_000.0, low)
+    expected = (low - failing) / 30
     mistakes = [
         (failing, "that is the range; the torpedo began at the minimum range and closes at 30 m/s"),
-        (failing / closing_speed, "count from the minimum range, not from the array"),
+        (failing / 30, "count from the minimum range, not from the array"),
     ]
     hint = "find the range at which gate_coverage is one half, then divide the distance run by the speed"
     return check_number(answer, expected, 0.03, hint, mistakes)
@@ -75,14 +77,3 @@ def rates_in_clutter():
         rule: bg.pairing_rates(partner, scans)["correct"]
         for rule, partner in zip(RULES, partners, strict=True)
     }
-
-
-def _size(theta, bound):
-    return bg.gate_size(theta, bound, bound, SCENARIO.baseline, SCENARIO.minimum_range)
-
-
-def _coverage(theta, target_range, bounds):
-    sigma = SCENARIO.error
-    return bg.gate_coverage(
-        theta, target_range, sigma, sigma, bounds, SCENARIO.baseline, SCENARIO.minimum_range
-    )

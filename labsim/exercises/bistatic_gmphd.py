@@ -10,10 +10,10 @@ SCENARIO = bs.BistaticScenario()
 MODEL = PhdModel()
 
 
-def range_abeam(answer, delay=8.0):
-    """Distance of a target at a bearing of 90 degrees whose echo takes `delay` seconds, m."""
-    path = SCENARIO.sound_speed * delay
-    expected = float(bs.ellipse_range(np.pi / 2, delay, *SCENARIO.geometry))
+def range_abeam(answer):
+    """Distance of a target at a bearing of 90 degrees whose echo takes 8 s, m."""
+    path = SCENARIO.sound_speed * 8.0
+    expected = float(bs.ellipse_range(np.pi / 2, 8.0, *SCENARIO.geometry))
     mistakes = [
         (path / 2, "half the path is the range of a sonar whose source and receiver are at one place"),
         (path, "that is the whole path, from the source to the target and on to the receiver"),
@@ -22,17 +22,15 @@ def range_abeam(answer, delay=8.0):
     return check_number(answer, expected, 0.005, hint, mistakes)
 
 
-def weight_after_misses(answer, misses=2):
-    """Weight of a certain target, weight 1, after that many scans without a detection."""
+def weight_after_misses(answer):
+    """Weight of a certain target, weight 1, after two scans without a detection."""
     miss = MODEL.survival * (1 - MODEL.detection)
     mistakes = [
-        ((1 - MODEL.detection) ** misses, "almost: between two scans the target must also survive, P_S"),
+        ((1 - MODEL.detection) ** 2, "almost: between two scans the target must also survive, P_S"),
         (miss, "that is one miss"),
         (1 - MODEL.detection, "that is one miss, without survival"),
     ]
-    return check_number(
-        answer, miss**misses, 0.005, "each miss multiplies the weight by P_S (1 - P_D)", mistakes
-    )
+    return check_number(answer, miss**2, 0.005, "each miss multiplies the weight by P_S (1 - P_D)", mistakes)
 
 
 def misses_until_pruned(answer):
@@ -43,19 +41,16 @@ def misses_until_pruned(answer):
     return check_number(answer, expected, 1e-9, hint, mistakes)
 
 
-def clutter_that_fills_the_gate(answer, spread=100.0):
+def clutter_that_fills_the_gate(answer):
     """Clutter rate per scan at which a gate holds one false detection on average.
 
-    The innovation has the standard deviation `spread`, m, in x and in y; clutter is taken as uniform.
+    The innovation has the standard deviation 100 m in x and in y; clutter is taken as uniform.
     """
-    gate_area = np.pi * MODEL.gate * spread**2
-    expected = bs.region_area(SCENARIO) / gate_area
+    discs = bs.region_area(SCENARIO) / (np.pi * 100.0**2)
+    expected = discs / MODEL.gate
     mistakes = [
-        (bs.region_area(SCENARIO) / (np.pi * spread**2), "the gate is d² < 20: its radius is √20 spreads"),
-        (
-            bs.region_area(SCENARIO) / (np.pi * MODEL.gate**2 * spread**2),
-            "20 is the square of the gate's radius, in spreads",
-        ),
+        (discs, "the gate is d² < 20: its radius is √20 spreads"),
+        (discs / MODEL.gate**2, "20 is the square of the gate's radius, in spreads"),
     ]
     hint = "divide the area of the region, region_area(scenario), by that of the gate, a disc"
     return check_number(answer, expected, 0.02, hint, mistakes)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from labsim.bearing_gate import FALSE_ALARM
 from labsim.views import style
 
 FAR = 1_000.0
@@ -309,9 +310,8 @@ class PairingView:
     def draw(self, result):
         """Draw one scan; return the sentence."""
         first, second = np.degrees(result["first"]), np.degrees(result["second"])
-        for source, points in enumerate(self.points):
-            wanted = -1 if source == 4 else source
-            one, other = first[result["first_source"] == wanted], second[result["second_source"] == wanted]
+        for source, points in zip((0, 1, 2, 3, FALSE_ALARM), self.points, strict=True):
+            one, other = first[result["first_source"] == source], second[result["second_source"] == source]
             points.set_data(np.concatenate([one, other]), np.repeat([1.0, 0.0], [one.size, other.size]))
         heights = 0.15 + 0.7 * (np.arange(first.size) + 0.5) / max(first.size, 1)
         lower, upper = np.degrees(result["lower"]), np.degrees(result["upper"])
