@@ -2,23 +2,25 @@
 
 Use: python tests/measure_notebooks.py [NOTEBOOK ...]   (all chapters where none is named)
      python tests/measure_notebooks.py --write          also puts the table into notebooks/README.md
-Memory is the largest resident set of the kernel's process, which counts the libraries that it shares with
-the kernels of others; the server's own share is in the last line. Run it on a machine that does nothing else.
+Memory is the largest resident set of the kernel's process and of the workers that it started, which counts
+the libraries that it shares with the kernels of others; the server's own share is in the last line. Run it on
+a machine that does nothing else.
 """
 
 import platform
-import socket
-import subprocess
 import sys
 import tempfile
 import threading
 import time
-import urllib.request
+from contextlib import suppress
 from pathlib import Path
 
 import nbformat
 import psutil
 from nbclient import NotebookClient
+from servers import serve
+
+from labsim.__main__ import lab_command
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "notebooks" / "README.md"
@@ -41,12 +43,17 @@ def measure(path):
         for index, cell in enumerate(notebook.cells):
             client.execute_cell(cell, index)
         seconds = time.monotonic() - begin
-        used = sum(kernel.cpu_times()[:2])
+        used = sum(sum(process.cpu_times()[:2]) for process in family(kernel))
         return seconds, used, peak.stop() / 1e6
 
 
+def family(process):
+    """A process and the workers that it started."""
+    return [process, *process.children(recursive=True)]
+
+
 class Peak:
-    """The largest resident memory of a process from now until stop(), bytes, looked at every 50 ms."""
+    """The largest resident memory of a process and its workers until stop(), bytes, looked at every 50 ms."""
 
     def __init__(self, process):
         self.process, self.largest, self.done = process, 0, threading.Event()
@@ -55,7 +62,8 @@ class Peak:
 
     def watch(self):
         while not self.done.wait(PERIOD):
-            self.largest = max(self.largest, self.process.memory_info().rss)
+            with suppress(psutil.NoSuchProcess):  # a worker that has just ended
+                self.largest = max(self.largest, sum(one.memory_info().rss for one in family(self.process)))
 
     def stop(self):
         self.done.set()
@@ -65,30 +73,13 @@ class Peak:
 
 def server_memory():
     """Resident memory of a JupyterLab server that has just started, MB."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", f"--port={port}"]
-        server = subprocess.Popen(
-            [*command, "--IdentityProvider.token="], cwd=folder, stderr=subprocess.DEVNULL
-        )
-        try:
-            wait_for(f"http://127.0.0.1:{port}/lab")
-            return psutil.Process(server.pid).memory_info().rss / 1e6
-        finally:
-            server.terminate()
-            server.wait(30)
 
+    def command(port):
+        options = ["--no-browser", "--allow-root", "--IdentityProvider.token=", f"--port={port}"]
+        return [*lab_command(sys.executable), *options]
 
-def wait_for(address, seconds=60):
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline:
-        try:
-            return urllib.request.urlopen(address, timeout=5).read()
-        except OSError:
-            time.sleep(0.2)
-    raise RuntimeError("JupyterLab did not start")
+    with tempfile.TemporaryDirectory() as home, serve(command, home, "/lab") as (_, process):
+        return psutil.Process(process.pid).memory_info().rss / 1e6
 
 
 def table(paths):

@@ -4,15 +4,13 @@ Needs Voilà and Chromium or Chrome. Where one is missing the tests are skipped,
 """
 
 import os
-import shutil
-import socket
-import subprocess
 import sys
 from importlib.util import find_spec
 
 import pytest
-from conftest import CHAPTERS, ROOT
-from test_browser import WATCH, browser, wait_for  # noqa: F401 (browser is a fixture)
+from conftest import CHAPTERS
+from servers import serve
+from test_browser import WATCH, browser  # noqa: F401 (browser is a fixture)
 
 from labsim.__main__ import apps_command
 
@@ -22,27 +20,15 @@ PAGES = ("01_signal_model", "10_your_own_data")
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
-    """Voilà as the launcher starts it, on a copy of the notebooks; yields its address."""
+    """Voilà as the launcher starts it; yields its address."""
     if find_spec("voila") is None and not os.environ.get("CI"):
         pytest.skip("Voilà is not installed; python3 -m labsim apps installs it")
-    home = tmp_path_factory.mktemp("apps")
-    shutil.copytree(
-        ROOT / "notebooks", home / "notebooks", ignore=shutil.ignore_patterns(".ipynb_checkpoints")
-    )
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    command = [*apps_command(sys.executable), "--no-browser", f"--port={port}", "--Voila.ip=127.0.0.1"]
-    settings = {f"JUPYTER_{name}_DIR": str(home / name) for name in ("CONFIG", "DATA", "RUNTIME")}
-    with open(home / "log", "w") as log:
-        process = subprocess.Popen(command, cwd=home, stdout=log, stderr=log, env={**os.environ, **settings})
-    address = f"http://127.0.0.1:{port}"
-    try:
-        wait_for(address, process, home / "log")
+
+    def command(port):
+        return [*apps_command(sys.executable), "--no-browser", f"--port={port}", "--Voila.ip=127.0.0.1"]
+
+    with serve(command, tmp_path_factory.mktemp("apps"), "/") as (address, _):
         yield address
-    finally:
-        process.terminate()
-        process.wait(30)
 
 
 @pytest.fixture

@@ -5,15 +5,12 @@ Needs Chromium or Chrome. Where none is installed the tests are skipped, but on 
 
 import os
 import shutil
-import socket
 import statistics
-import subprocess
 import sys
-import time
-import urllib.request
 
 import pytest
-from conftest import CHAPTERS, ROOT, SLIDER_TABLE, count_labs
+from conftest import CHAPTERS, SLIDER_TABLE, count_labs
+from servers import serve
 
 from labsim.__main__ import lab_command
 
@@ -66,37 +63,19 @@ def browser():
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
-    """JupyterLab as the launcher starts it, on a copy of the notebooks; yields its address."""
-    home = tmp_path_factory.mktemp("lab")
-    shutil.copytree(
-        ROOT / "notebooks", home / "notebooks", ignore=shutil.ignore_patterns(".ipynb_checkpoints")
-    )
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    options = ["--no-browser", "--allow-root", f"--port={port}", "--IdentityProvider.token="]
-    command = [*lab_command(sys.executable), *options, "--LabApp.expose_app_in_browser=True"]
-    settings = {f"JUPYTER_{name}_DIR": str(home / name) for name in ("CONFIG", "DATA", "RUNTIME")}
-    settings["JUPYTERLAB_WORKSPACES_DIR"] = str(home / "workspaces")
-    with open(home / "log", "w") as log:
-        process = subprocess.Popen(command, cwd=home, stdout=log, stderr=log, env={**os.environ, **settings})
-    address = f"http://127.0.0.1:{port}"
-    try:
-        wait_for(f"{address}/api", process, home / "log")
+    """JupyterLab as the launcher starts it; yields its address."""
+    options = [
+        "--no-browser",
+        "--allow-root",
+        "--IdentityProvider.token=",
+        "--LabApp.expose_app_in_browser=True",
+    ]
+
+    def command(port):
+        return [*lab_command(sys.executable), *options, f"--port={port}"]
+
+    with serve(command, tmp_path_factory.mktemp("lab"), "/api") as (address, _):
         yield address
-    finally:
-        process.terminate()
-        process.wait(30)
-
-
-def wait_for(address, process, log, seconds=60):
-    deadline = time.monotonic() + seconds
-    while time.monotonic() < deadline and process.poll() is None:
-        try:
-            return urllib.request.urlopen(address, timeout=5)
-        except OSError:
-            time.sleep(0.2)
-    raise RuntimeError(f"JupyterLab did not start: {log.read_text()[-2000:]}")
 
 
 @pytest.fixture
