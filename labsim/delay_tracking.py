@@ -17,6 +17,7 @@ from labsim.arguments import (
     require_positive,
     require_shape,
 )
+from labsim.discriminator import noise_density, noise_density_as_printed, whole_count
 
 FORMS = ("scalar", "diagonal", "rank one")
 START = np.diag([20e-6, 50e-6]) ** 2
@@ -51,18 +52,18 @@ class KalmanTracker:
     """The paper's Kalman filter for delay and rate, eqs. 4.9-4.18.
 
     interval : Dt, s, above 0, a whole number of the pair's steps
-    agility : spectral density of the white acceleration that may move the target, s²/s³, not negative
+    intensity : of the process noise, q: the density of the target's white acceleration, s²/s³, not negative
     form : what the filter believes it measures in an interval: "scalar", the mean error, once; "diagonal"
         and "rank one", the paper's pair of error y and rate 2 y / Dt, as if independent or as they are
     """
 
     interval: float = 0.1
-    agility: float = 1e-10
+    intensity: float = 1e-10
     form: str = "scalar"
 
     def __post_init__(self):
         require_positive("interval", self.interval)
-        require_not_negative("agility", self.agility)
+        require_not_negative("intensity", self.intensity)
         require_choice("form", self.form, FORMS)
 
     @property
@@ -74,7 +75,7 @@ class KalmanTracker:
     def process_noise(self):
         """Q, (2, 2): what the white acceleration adds in one interval."""
         t = self.interval
-        return self.agility * np.array([[t**3 / 3, t**2 / 2], [t**2 / 2, t]])
+        return self.intensity * np.array([[t**3 / 3, t**2 / 2], [t**2 / 2, t]])
 
 
 def loop_gain(pair, time_constant):
@@ -83,42 +84,34 @@ def loop_gain(pair, time_constant):
     return 1 / (4 * power * require_positive("time_constant", time_constant))
 
 
-def loop_constant(pair, lag=0.0):
+def loop_constant(pair):
     """K, the variance of the delay times T, s³: the paper's eq. 4.4, mended.
 
-    K = (2 rho + rho² + 2 sin²(w lag)) / (16 pi² f0² B). lag : (...), s, at which the loop runs behind.
-    Mended: the paper has 2 + 2 rho + rho²; see `discriminator.noise_density`. So mended, K / T is the
-    Cramér-Rao bound of a narrow band observed for 2 T: no loop can do better.
+    K = N / (32 Ps²) = (2 rho + rho²) / (16 pi² f0² B): a loop of gain G = 1 / (4 Ps T) makes of noise
+    with the density N, `discriminator.noise_density` at zero error, the variance G² N T / 2.
+    Mended: the paper has 2 + 2 rho + rho², because its N keeps 2 Ps² where the discriminator is silent.
+    So mended, K / T is the Cramér-Rao bound of a narrow band observed for 2 T: no loop can do better.
     """
-    rho = pair.noise_ratio
-    turned = np.sin(pair.angular_frequency * np.asarray(lag)) ** 2
-    return _constant_scale(pair) * (2 * rho + rho**2 + 2 * turned)
+    return noise_density(pair) / (32 * require_positive("signal_power", pair.signal_power) ** 2)
 
 
 def loop_constant_as_printed(pair):
     """The paper's eq. 4.4: K = (2 + 2 rho + rho²) / (16 pi² f0² B); see `loop_constant`."""
-    return _constant_scale(pair) * (2 + 2 * pair.noise_ratio + pair.noise_ratio**2)
+    return noise_density_as_printed(pair) / (32 * require_positive("signal_power", pair.signal_power) ** 2)
 
 
-def delay_jitter(constant, time_constant, step=0.0):
+def delay_jitter(constant, time_constant):
     """Standard deviation of the tracked delay, the paper's eq. 4.3: sqrt(K / T), s.
 
-    constant : K, s³; time_constant : T (...), s
-    step : s; a loop that turns in steps, not continuously, has the variance K / T / (1 - step / (2 T))
+    constant : K, s³; time_constant : T (...), s. A loop that turns in steps jitters by a little more:
+    its variance is K / (T - step / 2).
     """
-    time_constant = require_positive("time_constant", time_constant)
-    return np.sqrt(require_not_negative("K", constant) / (time_constant - step / 2))
+    return np.sqrt(require_not_negative("K", constant) / require_positive("time_constant", time_constant))
 
 
 def ramp_lag(rate, time_constant):
     """How far the loop runs behind a delay that grows steadily, the paper's eq. 4.5: rate times T, s."""
     return np.asarray(rate) * require_positive("time_constant", time_constant)
-
-
-def ramp_lag_on_the_curve(pair, rate, time_constant):
-    """The same with the discriminator's sine: asin(w rate T) / w, s; NaN where the loop cannot keep up."""
-    sine = pair.angular_frequency * ramp_lag(rate, time_constant)
-    return np.arcsin(np.where(np.abs(sine) <= 1, sine, np.nan)) / pair.angular_frequency
 
 
 def step_response(pair, error, time_constant, time):
@@ -153,11 +146,11 @@ def least_total_error(constant, rate):
     return 3 * np.cbrt(9 / 4 * require_not_negative("K", constant) * np.abs(rate))
 
 
-def track(observer, pair, loop, start=0.0, aiding=0.0, rate=0.0):
+def track(observer, pair, loop, start=0.0, aiding=0.0):
     """Run the loop, eq. 4.1: dx0/dt = G D + aiding + the rate it has learned. All trials at once.
 
-    observer : WaveformObserver or BasebandObserver of (steps, trials)
-    start, rate : delay and learned rate at the beginning, (trials,) or a number, s and s/s
+    observer : WaveformObserver, BasebandObserver or TwoSourceObserver of (steps, trials)
+    start : delay at the beginning, (trials,) or a number, s
     aiding : (steps,) or a number, a rate known from elsewhere, say from a gyro, s/s
     Returns (steps, trials), the delay in each step, s.
     Raises ValueError for a time constant so short for the step that the loop is unstable.
@@ -166,7 +159,7 @@ def track(observer, pair, loop, start=0.0, aiding=0.0, rate=0.0):
     steps, trials = observer.shape
     aiding = np.broadcast_to(require_finite("aiding", aiding), steps)
     gain = loop_gain(pair, loop.time_constant)
-    delay, rate = np.full(trials, start, dtype=float), np.full(trials, rate, dtype=float)
+    delay, rate = np.full(trials, start, dtype=float), np.zeros(trials)
     estimate = np.empty((steps, trials))
     for k in range(steps):
         estimate[k] = delay
@@ -182,7 +175,8 @@ def track_with_gain_control(observer, pair, loop, start=0.0, rate=0.0):
     Ps is read from the in-phase correlation, smoothed with `loop.smoothing`. C makes the time constant
     `loop.time_constant` at the pair's signal power. A fade closes the gain and the line coasts on at its
     learned rate; so does an error beyond 1 / (4 f0), where the correlation is negative.
-    Arguments, result and errors as in `track`. The paper's formula is badly legible; this is its plain part.
+    start, rate : delay and learned rate at the beginning, (trials,) or numbers, s and s/s
+    Else as `track`. The paper's formula is badly legible; this is its plain part.
     """
     _require_stable(pair, loop, loop.most_gain)
     steps, trials = observer.shape
@@ -241,7 +235,7 @@ def track_kalman(observer, pair, tracker, start=0.0, rate=0.0, covariance=None):
     Raises ValueError for an interval that is no whole number of steps.
     """
     steps, trials = observer.shape
-    per_interval = _steps_per_interval(pair, tracker)
+    per_interval = whole_count("interval", tracker.interval, "steps", pair.step)
     gains, _ = kalman_gains(pair, tracker, steps // per_interval, covariance)
     measured = np.array([1.0, 2 / tracker.interval])[: gains.shape[2]]
     middle = (np.arange(per_interval) + 0.5) * pair.step
@@ -262,17 +256,17 @@ def maximum_fade(pair, rate, acceleration=0.0):
     1 / (4 f0 |v|) (1 - a / (8 f0 v²)): the time in which a rate v the line does not know, and an
     acceleration a, add up to 1 / (4 f0), to first order in a.
     rate : (...), s/s, not 0; acceleration : (...), s/s², its sign counted along the rate's
-    Nonsense, and negative, for |a| above 8 f0 v²; `maximum_fade_exactly` is the root itself.
+    Nonsense for |a| above 8 f0 v², negative for a above it; `maximum_fade_exactly` is the root itself.
     """
     rate = np.abs(_require_moving(rate))
     slow = 8 * pair.centre_frequency * rate**2
     return pair.peak / rate * (1 - np.asarray(acceleration) / slow)
 
 
-def maximum_fade_exactly(pair, rate, acceleration=0.0, limit=None):
-    """First time at which |v t + a t² / 2| reaches `limit`, by default 1 / (4 f0), s."""
+def maximum_fade_exactly(pair, rate, acceleration=0.0):
+    """First time at which |v t + a t² / 2| reaches 1 / (4 f0), s; arguments as of `maximum_fade`."""
     rate, acceleration = np.abs(_require_moving(rate)), require_finite("acceleration", acceleration)
-    limit = pair.peak if limit is None else require_positive("limit", limit)
+    limit = pair.peak
     with np.errstate(invalid="ignore", divide="ignore"):
         towards = 2 * limit / (rate + np.sqrt(rate**2 + 2 * acceleration * limit))
         back = (rate + np.sqrt(rate**2 - 2 * acceleration * limit)) / -acceleration
@@ -292,12 +286,8 @@ def gyro_rate(spacing, mean_delay, turn_rate, sound_speed=1500.0):
 
 
 def lost(pair, error):
-    """Whether a delay error (...), s, is beyond 1 / (4 f0): the loop holds another fringe, or nothing."""
+    """Loss of lock: whether a delay error (...), s, is beyond 1 / (4 f0), on another fringe or on none."""
     return np.abs(error) > pair.peak
-
-
-def _constant_scale(pair):
-    return 1 / (16 * np.pi**2 * pair.centre_frequency**2 * pair.bandwidth)
 
 
 def _require_stable(pair, loop, most_gain):
@@ -307,13 +297,6 @@ def _require_stable(pair, loop, most_gain):
             f"time_constant must be longer than {most_gain * pair.step / 2:g} s or the loop is unstable, "
             f"but {loop.time_constant:g} was given"
         )
-
-
-def _steps_per_interval(pair, tracker):
-    steps = tracker.interval / pair.step
-    if abs(steps - round(steps)) > 1e-6 * steps:
-        raise ValueError(f"interval must be a whole number of steps, but {tracker.interval:g} s is {steps:g}")
-    return round(steps)
 
 
 def _require_moving(rate):

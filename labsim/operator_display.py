@@ -9,27 +9,41 @@ a chart that is linear in 1 / R. Source: section 5 of the report named in `passi
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from labsim.arguments import (
-    require_between,
     require_finite,
+    require_interval,
     require_not_negative,
-    require_positive,
     require_shape,
+    require_whole,
 )
-from labsim.discriminator import Correlogram, Pair, correlogram, hydrophone_noise, read_lags, source_signals
+from labsim.discriminator import (
+    Correlogram,
+    Pair,
+    correlogram,
+    hydrophone_noise,
+    read_lags,
+    source_signals,
+    whole_count,
+)
 
-ROOM = 1.2e-3
-BIN = 1.0
-FEWEST = 10
+ROOM = 1.2e-3  # s beyond the target's delays that a record holds: almost two periods, for lines that are off
+BIN = 1.0  # s, one column of the display
+FEWEST = 10  # seconds that a line must rest on
+MOST_CHANGE = 0.5  # of the correlation at the picks, against its median, before a second is struck out
+MOST_SPREAD = 4.0  # standard deviations off the median: in noise alone, one second in 16,000
+GAUSSIAN = 1.4826  # standard deviation over median absolute deviation of Gaussian noise
+MARGIN = 3  # seconds struck out on either side of a bad one, which a fade or a crossing spoils in part
 
 
 @dataclass(frozen=True)
 class DisplayScenario:
     """A record with a good beginning, a fade, and a false source crossing; the paper's fig. 7 in numbers.
 
-    pair : the band, and the step at which an automatic tracker may turn its delay lines
-    duration : s, whole seconds; fade, false_signal : (start, end), s: no signal; a second source is heard
+    pair : the band, and the step at which an automatic tracker may turn its delay lines; whole steps a second
+    duration : whole seconds
+    fade, false_signal : (start, end), s: no signal; a second source is heard. Either may lie after the record
     false_power : P_U / P_T, not negative
     """
 
@@ -40,12 +54,10 @@ class DisplayScenario:
     false_power: float = 2.5
 
     def __post_init__(self):
-        require_positive("duration", self.duration)
-        for name in ("fade", "false_signal"):
-            interval = require_shape(name, getattr(self, name), (2,))
-            start, end = require_between(name, interval, 0, self.duration)
-            if end < start:
-                raise ValueError(f"{name} must end after its start, but ({start:g}, {end:g}) was given")
+        whole_count("a second", BIN, "steps", self.pair.step)
+        require_whole("duration", self.duration, low=1)
+        require_interval("fade", self.fade, low=0)
+        require_interval("false_signal", self.false_signal, low=0)
         require_not_negative("false_power", self.false_power)
 
     @property
@@ -166,12 +178,12 @@ def read_range(time, curvature, keep):
     return Reading(curvature, keep, value + slope * (time - middle), target_range)
 
 
-def trustworthy_seconds(record, picks, threshold=0.5, spread=4.0, margin=3):
+def trustworthy_seconds(record, picks):
     """A mask as an algorithm would make it: a simulated operator, not a human one.
 
-    Strikes out seconds whose in-phase correlation at the picks is not within `threshold` of its median,
-    or whose difference of delays lies more than `spread` robust deviations off its median; and `margin`
-    seconds around each. picks : (2, bins), s. Returns (bins,), bool.
+    Strikes out seconds whose in-phase correlation at the picks is off its median by more than MOST_CHANGE of
+    it, or whose difference of delays is off its median by more than MOST_SPREAD robust deviations; and
+    MARGIN seconds around each. picks : (2, bins), s. Returns (bins,), bool.
     """
     found = np.all(np.isfinite(picks), axis=0)
     at = np.where(found, picks, 0)[..., None]
@@ -179,9 +191,9 @@ def trustworthy_seconds(record, picks, threshold=0.5, spread=4.0, margin=3):
     relative = strength / np.median(strength, axis=-1, keepdims=True)
     difference = np.where(found, picks[0] - picks[1], np.inf)
     away = np.abs(difference - np.median(difference[found]))
-    bad = ~found | np.any(np.abs(relative - 1) > threshold, axis=0)
-    bad |= away > spread * 1.4826 * np.median(away[found])
-    return ~np.convolve(bad, np.ones(2 * margin + 1), mode="same").astype(bool)
+    bad = ~found | np.any(np.abs(relative - 1) > MOST_CHANGE, axis=0)
+    bad |= away > MOST_SPREAD * GAUSSIAN * np.median(away[found])
+    return ~binary_dilation(bad, iterations=MARGIN)
 
 
 def _at_hydrophones(delays, time):
@@ -191,10 +203,8 @@ def _at_hydrophones(delays, time):
 
 
 def _by_second(values, pair):
-    rows, steps, lags = values.shape
-    per_second = round(BIN / pair.step)
-    whole = steps // per_second
-    return values[:, : whole * per_second].reshape(rows, whole, per_second, lags).mean(axis=2)
+    rows, _, lags = values.shape
+    return values.reshape(rows, -1, round(BIN / pair.step), lags).mean(axis=2)
 
 
 def _within(time, interval):

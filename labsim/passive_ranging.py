@@ -258,18 +258,19 @@ def range_jitter(triplet, target_range, bearing, eps_jitter):
     return triplet.sound_speed * target_range * np.asarray(eps_jitter) / width
 
 
-def average_of_range(curvature, axis=-1):
+def average_of_range(curvature):
     """The mean of 1 / curvature, the wrong average: one sample near zero can outweigh all the others.
 
-    curvature : in units of 1 / length; samples of either sign are averaged as they come.
+    curvature : (..., n), in units of 1 / length; samples of either sign are averaged as they come.
+    Returns (...).
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.mean(1 / require_finite("curvature", curvature), axis=axis)
+        return np.mean(1 / require_finite("curvature", curvature), axis=-1)
 
 
-def range_of_average(curvature, axis=-1):
-    """1 / the mean of curvature, the right average; infinite for a mean of 0, NaN below it."""
-    return _in_front(1.0, np.mean(require_finite("curvature", curvature), axis=axis))
+def range_of_average(curvature):
+    """1 / the mean of curvature (..., n), the right average (...); infinite for a mean of 0, NaN below it."""
+    return _in_front(1.0, np.mean(require_finite("curvature", curvature), axis=-1))
 
 
 def vertical_beamwidth(height, frequency, sound_speed=1500.0):
@@ -301,11 +302,12 @@ def pulled_delay(target_delay, unwanted_delay, power_share):
     return np.asarray(target_delay) - share * (np.asarray(target_delay) - np.asarray(unwanted_delay))
 
 
-def pulled_delay_phasor(target_delay, unwanted_delay, power_share, centre_frequency=1500.0):
+def pulled_delay_phasor(target_delay, unwanted_delay, power_share, centre_frequency):
     """The delay at which the sum of two sinusoidal discriminator curves is zero.
 
-    As `pulled_delay`, for delays that differ by less than half a period, 1 / (2 f0):
-    x = x_T + arg(P_T + P_U exp(j 2 pi f0 (x_U - x_T))) / (2 pi f0).
+    x = x_T + arg(P_T + P_U exp(j 2 pi f0 (x_U - x_T))) / (2 pi f0)
+    As `pulled_delay`, for delays that differ by less than half a period, 1 / (2 f0).
+    centre_frequency : f0, Hz
     Raises ValueError for delays further apart, where the answer is ambiguous.
     """
     share = require_between("power_share", power_share, 0, 1)

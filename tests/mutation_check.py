@@ -39,13 +39,14 @@ MUTANTS = {
     "bistatic": [
         ("(2 * (path - baseline * np.cos", "(2 * (path + baseline * np.cos"),
         (
-            "(1 + towards_source) / (1 - towards_receiver)",
-            "(1 - towards_source) / (1 + towards_receiver)",
+            "(1 + towards_source / sound_speed) / (1 - towards_receiver / sound_speed)",
+            "(1 - towards_source / sound_speed) / (1 + towards_receiver / sound_speed)",
         ),
         ("by_delay = sound_speed * (path - distance)", "by_delay = sound_speed * (path + distance)"),
         ("* (1 - along)", "* along"),
         ("np.mean(far**2 - near**2) / 2", "np.mean(far**2 - near**2)"),
         ("return -across / distance[..., None]", "return across / distance[..., None]"),
+        ("gain * (to_source + ratio * to_receiver)", "gain * (to_source - ratio * to_receiver)"),
         ("return 3 / (2 * np.pi**2", "return 3 / (4 * np.pi**2"),
     ],
     "checks": [
@@ -54,7 +55,7 @@ MUTANTS = {
         ("return HOLDS if everywhere else CONDITIONAL", "return CONDITIONAL if everywhere else HOLDS"),
     ],
     "course": [
-        ("first + np.arctan2(u, w)", "first - np.arctan2(u, w)"),
+        ("first + np.arctan2(b1", "first - np.arctan2(b1"),
         ("cosine[..., :1] - ratio * cosine", "cosine[..., :1] + ratio * cosine"),
         (
             "(ratio_std * np.sin(angle)) ** 2 + (ratio * bearing_std * np.cos(angle)) ** 2",
@@ -68,9 +69,9 @@ MUTANTS = {
     "delay_tracking": [
         ("np.array([[1.0, -interval / 2]])", "np.array([[1.0, interval / 2]])"),
         ("t**3 / 3", "t**3 / 2"),
-        ("(2 * rho + rho**2 + 2 * turned)", "(rho + rho**2 + 2 * turned)"),
+        ("return noise_density(pair) / (32 *", "return noise_density(pair) / (16 *"),
         ("/ (4 * np.square(rate))", "/ (2 * np.square(rate))"),
-        ("(time_constant - step / 2)", "(time_constant + step / 2)"),
+        ("return pair.peak / rate * (1 - ", "return pair.peak / rate * (1 + "),
         ("slow = 8 * pair.centre_frequency", "slow = 4 * pair.centre_frequency"),
         ("return -np.sqrt(longest**2", "return np.sqrt(longest**2"),
         ("(turn + rate + aiding[k])", "(turn + rate - aiding[k])"),

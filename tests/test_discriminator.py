@@ -35,7 +35,7 @@ def record(rng, pair, delay, trials, seconds, reach=0.8e-3):
 def test_sign_filter_is_the_transform_of_its_weight():
     for frequency in (0.0, 700.0, 1500.0, 1800.0):
         sine = quad(lambda u, f=frequency: np.sin(2 * np.pi * f * u), 0, PAIR.cliff)[0]
-        assert sign_filter(frequency) == pytest.approx(-2j * sine, abs=1e-12)
+        assert sign_filter(frequency, 1500.0) == pytest.approx(-2j * sine, abs=1e-12)
 
 
 @pytest.mark.parametrize("bandwidth", [300.0, 500.0, 1500.0])
@@ -111,7 +111,7 @@ def test_an_aligned_discriminator_without_noise_is_silent():
 def test_noise_density_against_the_exact_integral_over_the_band(ratio, error):
     def integrand(f):
         spectra = ((1 + ratio) / 1000) ** 2 - 1e-6 * np.cos(4 * np.pi * f * error)
-        return 2 * spectra * np.abs(sign_filter(f)) ** 2
+        return 2 * spectra * np.abs(sign_filter(f, 1500.0)) ** 2
 
     exact = quad(integrand, *PAIR.band)[0]
     assert noise_density(replace(PAIR, noise_power=ratio), error) == pytest.approx(exact, rel=0.045)
@@ -129,10 +129,10 @@ def test_correlogram_holds_the_mean_products():
 
 def test_a_moving_delay_is_followed():
     # Noise-free, 3 s: what is left of the zero crossing is the delay's motion within a bin.
-    pair = replace(PAIR, noise_power=0.0)
+    pair = replace(PAIR, noise_power=0.0, step=0.5)
     delay = 0.2e-3 + 100e-6 * np.arange(24000) / 8000
     heard = two_channel_waveforms(np.random.default_rng(58), pair, delay)
-    made = correlogram(pair, *heard, 0, 1e-3, step=0.5)
+    made = correlogram(pair, *heard, 0, 1e-3)
     for k, middle in enumerate(np.arange(6) * 0.5 + 0.25):
         at = read_lags(made.lags, made.quadrature[0, k], 0.2e-3 + 100e-6 * middle + np.array([-1e-6, 1e-6]))
         assert at[0] > 0 > at[1]
@@ -161,7 +161,7 @@ def test_two_sources_pull_the_zero_to_where_the_phasor_law_says(share, apart):
     lags = np.linspace(0, apart, 400)
     curve = read_lags(made.lags, made.quadrature.mean(axis=(0, 1)), lags)
     zero = lags[np.argmin(np.abs(curve))]
-    assert zero == pytest.approx(pulled_delay_phasor(0.0, apart, share), abs=0.03 * apart)
+    assert zero == pytest.approx(pulled_delay_phasor(0.0, apart, share, 1500.0), abs=0.03 * apart)
     if share == 0.2 and apart > 0.2e-3:
         assert abs(zero - pulled_delay(0.0, apart, share)) > 0.06 * apart
 

@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -120,8 +118,8 @@ def test_a_line_one_period_off_in_both_pairs_leaves_the_range_alone(records, tar
     assert reading.target_range == pytest.approx(5000, rel=0.05)
 
 
-def test_without_fade_or_false_source_every_second_is_good(target):
-    scenario = replace(SCENARIO, duration=20.0, fade=(0.0, 0.0), false_signal=(0.0, 0.0))
+def test_a_record_that_ends_before_the_fade_and_the_false_source_is_good_throughout(target):
+    scenario = DisplayScenario(duration=20.0)
     truth = target[0][:, : scenario.time.size]
     record = display.simulate_record(np.random.default_rng(310), scenario, truth, truth)
     picks = display.pick_delays(record, seconds_of(truth), OFFSETS, LIMIT)
@@ -180,9 +178,11 @@ def test_too_few_seconds_give_no_range():
 @pytest.mark.parametrize(
     "call, words",
     [
-        (lambda: DisplayScenario(duration=0.0), "duration"),
-        (lambda: DisplayScenario(fade=(50.0, 40.0)), "fade must end after its start"),
-        (lambda: DisplayScenario(false_signal=(95.0, 200.0)), "false_signal must lie between"),
+        (lambda: DisplayScenario(duration=0.0), "duration must be a whole number from 1"),
+        (lambda: DisplayScenario(duration=10.5), "duration must be a whole number from 1"),
+        (lambda: DisplayScenario(pair=Pair(step=0.03)), "a second must be a whole number of steps"),
+        (lambda: DisplayScenario(fade=(50.0, 40.0)), "fade must be .low, high. with low below high"),
+        (lambda: DisplayScenario(false_signal=(-5.0, 20.0)), "false_signal must be .low, high."),
         (lambda: DisplayScenario(false_power=-1.0), "false_power must not be negative"),
         (lambda: display.read_range(np.arange(20.0), np.ones(20), np.ones(19)), "keep must have shape"),
         (lambda: display.nearest_crossing(OFFSETS, np.ones(60), 1e-3), "curves must have shape"),

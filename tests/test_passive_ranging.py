@@ -255,13 +255,13 @@ def test_equal_sources_pull_the_delay_to_the_middle_and_the_range_to_the_harmoni
 
 @given(st.floats(0.0, 1.0), st.floats(-1e-5, 1e-5))
 def test_both_pull_laws_agree_for_near_delays(share, apart):
-    phasor = pr.pulled_delay_phasor(0.0, apart, share)
+    phasor = pr.pulled_delay_phasor(0.0, apart, share, 1500.0)
     assert phasor == pytest.approx(pr.pulled_delay(0.0, apart, share), abs=3e-8)
 
 
 def test_phasor_law_is_the_zero_of_two_sinusoidal_curves():
     apart, share, angular = 0.3e-3, 0.2, 2 * np.pi * 1500
-    zero = pr.pulled_delay_phasor(0.0, apart, share)
+    zero = pr.pulled_delay_phasor(0.0, apart, share, 1500.0)
     curve = (1 - share) * np.sin(angular * (0 - zero)) + share * np.sin(angular * (apart - zero))
     assert curve == pytest.approx(0.0, abs=1e-12)
 
@@ -284,7 +284,7 @@ def test_phasor_law_is_the_zero_of_two_sinusoidal_curves():
         (lambda: pr.curvature_jitter(1e-6, -1.0), "noise_ratio"),
         (lambda: pr.vertical_beamwidth(0.5, 1500.0), "one wavelength"),
         (lambda: pr.pulled_delay(0.0, 1e-4, 1.5), "power_share"),
-        (lambda: pr.pulled_delay_phasor(0.0, 4e-4, 0.5), "unwanted_delay - target_delay"),
+        (lambda: pr.pulled_delay_phasor(0.0, 4e-4, 0.5, 1500.0), "unwanted_delay - target_delay"),
     ],
 )
 def test_bad_input_is_refused_in_words(call, words):

@@ -10,6 +10,12 @@ PAPER_TICKS = (np.inf, 20.0, 5.0, 3.0, 2.0, 1.5, 1.0)
 DESK_TICKS = (np.inf, 10.0, 5.0, 3.0, 2.5, 2.0, 1.75, 1.5, 1.25, 1.125, 1.0)
 
 
+def _one_line(x, y):
+    """The coordinates of many lines y (lines, n) over x as those of one line with gaps: quicker to draw."""
+    gap = np.full((len(y), 1), np.nan)
+    return tuple(np.hstack([np.broadcast_to(each, y.shape), gap]).ravel() for each in (x, y))
+
+
 class DiscriminatorView:
     """The discriminator's curve: theory, its tangent, and what a record of some seconds gives.
 
@@ -60,7 +66,7 @@ class ResponseView:
     """A loop answering a jump or a ramp of the delay.
 
     Draws a dict with `time` (n,), s; `truth`, `theory`, `mean` (n,), s; `trials` (n, m), s;
-    `time_constant`, s; `left`, the mean error at the end, s; `jitter`, s; `astray`, the share of loops
+    `time_constant`, s; `left`, the mean error at the end, s; `jitter`, s; `slipped`, the share of loops
     that ended nearer to another period.
     """
 
@@ -101,7 +107,7 @@ class ResponseView:
         self.title.set_text(f"At the end the loop is {left} µs behind and jitters by {jitter} µs")
         return (
             f"With a time constant of {result['time_constant']:.2f} s the loop ends {left} µs behind the "
-            f"true delay on average, and single loops scatter by {jitter} µs{_astray(result['astray'])}."
+            f"true delay on average, and single loops scatter by {jitter} µs{_slipped(result['slipped'])}."
         )
 
 
@@ -109,7 +115,7 @@ class TuningView:
     """One knob, two errors: lag and jitter against the time constant.
 
     Draws a dict with `constants` (n,), s; `lags`, `jitters`, `totals` (n,), s, theory; `revealed`;
-    `time_constant`, `best`, s; `lag`, `jitter3`, `total`, s, measured; `least`, s, theory; `astray`, the
+    `time_constant`, `best`, s; `lag`, `jitter3`, `total`, s, measured; `least`, s, theory; `slipped`, the
     share of loops that ended nearer to another period.
     """
 
@@ -142,15 +148,15 @@ class TuningView:
         self.title.set_text(f"Lag {lag:.0f} µs + 3 σ {jitter:.0f} µs = {total:.0f} µs")
         sentence = (
             f"At {at[0]:.2f} s the lag is {lag:.0f} µs and three sigma {jitter:.0f} µs, {total:.0f} µs in all"
-            + _astray(result["astray"])
+            + _slipped(result["slipped"])
         )
         if not result["revealed"]:
             return sentence + "."
         return sentence + f"; theory's best is {US * result['least']:.0f} µs at {result['best']:.2f} s."
 
 
-def _astray(share):
-    return f"; {100 * share:.0f} % of the loops have gone astray to another period" if share > 0 else ""
+def _slipped(share):
+    return f"; {100 * share:.0f} % of the loops have slipped to another period" if share > 0 else ""
 
 
 class ManoeuvreView:
@@ -215,10 +221,7 @@ class FadeView:
         start, end = result["fade"]
         self.fade.set_x(start)
         self.fade.set_width(end - start)
-        gap = np.full((1, result["errors"].shape[1]), np.nan)
-        values = np.concatenate([US * result["errors"], gap]).T.ravel()
-        time = np.tile(np.append(result["time"], np.nan), result["errors"].shape[1])
-        self.loops.set_data(time, values)
+        self.loops.set_data(*_one_line(result["time"], US * result["errors"].T))
         ratio = (end - start) / result["limit"]
         self.title.set_text(f"{100 * result['lost']:.0f} % of the loops are lost")
         return (
@@ -253,9 +256,7 @@ class CaptureView:
     def draw(self, result):
         """Draw the loops between both sources."""
         scaled = 2 * result["time"] / result["time"][-1] - 1
-        gap = np.full((1, result["delays"].shape[1]), np.nan)
-        values = np.concatenate([US * result["delays"], gap]).T.ravel()
-        self.loops.set_data(np.tile(np.append(scaled, np.nan), result["delays"].shape[1]), values)
+        self.loops.set_data(*_one_line(scaled, US * result["delays"].T))
         self.other.set_data(scaled, US * result["crossing"])
         self.stripe.set_data(scaled, US * (result["crossing"] + result["period"]))
         self.title.set_text(f"{100 * result['captured']:.0f} % of the loops are led away")
@@ -274,26 +275,26 @@ class SweepsView:
 
     def __init__(self, result):
         self.figure = style.figure(6.4, 6.4)
-        self.axes = self.figure.subplots()
-        height = 1.5 / np.max(np.abs(np.percentile(result["sweeps"], 98)))
+        axes = self.figure.subplots()
+        (self.sweeps,) = axes.plot([], [], color=style.BLUE, linewidth=0.9, linestyle="-")
+        (self.picks,) = axes.plot([], [], ".", color=style.ORANGE, label="nearest zero")
         x = US * result["offsets"]
-        step = result["time"][1] - result["time"][0]
-        for time, sweep in zip(result["time"], result["sweeps"], strict=True):
-            self.axes.plot(x, time + step * height * sweep, color=style.BLUE, linewidth=0.9, linestyle="-")
-        self.axes.plot(US * result["picks"], result["time"], ".", color=style.ORANGE, label="nearest zero")
-        self.axes.legend(loc="upper right")
-        self.axes.set_xticks(range(-600, 601, 200))
         for name, (start, end) in result["zones"].items():
-            self.axes.text(x[-1] + 30, (start + end) / 2, name, va="center", fontsize=10)
-            self.axes.plot(
-                [x[-1] + 15] * 2, [start + 1, end - 1], color=style.BLACK, linewidth=3, linestyle="-"
-            )
-        self.axes.set(xlim=(x[0], x[-1] + 240), ylim=(-4, result["time"][-1] + 16))
-        self.axes.set(xlabel="delay of the sweep, from the manual setting (µs)", ylabel="time (s)")
-        self.axes.set_title("Each sweep falls through zero at the target's delay")
+            axes.text(x[-1] + 30, (start + end) / 2, name, va="center", fontsize=10)
+            axes.plot([x[-1] + 15] * 2, [start + 1, end - 1], color=style.BLACK, linewidth=3, linestyle="-")
+        axes.set(xlim=(x[0], x[-1] + 240), ylim=(-4, result["time"][-1] + 16))
+        axes.set(xlabel="delay of the sweep, from the manual setting (µs)", ylabel="time (s)")
+        axes.set_xticks(range(-600, 601, 200))
+        axes.legend(loc="upper right")
+        axes.set_title("Each sweep falls through zero at the target's delay")
+        style.animate(self.sweeps, self.picks)
 
     def draw(self, result):
-        """Everything is drawn already; return the sentence."""
+        """Draw the sweeps, each around its time, and what was picked on them."""
+        time, sweeps = result["time"], result["sweeps"]
+        height = 1.5 * (time[1] - time[0]) / np.abs(np.percentile(sweeps, 98))
+        self.sweeps.set_data(*_one_line(US * result["offsets"], time[:, None] + height * sweeps))
+        self.picks.set_data(US * result["picks"], time)
         strength = {
             name: np.mean(np.std(result["sweeps"][(result["time"] >= a) & (result["time"] < b)], axis=1))
             for name, (a, b) in result["zones"].items()
@@ -314,23 +315,25 @@ class RunningAverageView:
     def __init__(self, result):
         self.figure = style.figure(9, 3.5)
         axes = self.figure.subplots()
-        time = result["time"]
-        axes.plot(time, result["readings"] / 1e3, ".", color=style.GREY, label="tracker's readings")
-        axes.plot(time, result["average"] / 1e3, color=style.ORANGE, linestyle="--", label="running average")
-        axes.plot(
-            time,
-            result["operator"] / 1e3,
-            color=style.BLUE,
-            linestyle="-",
-            label="line of an operator who masks",
+        (self.readings,) = axes.plot([], [], ".", color=style.GREY, label="tracker's readings")
+        (self.average,) = axes.plot([], [], color=style.ORANGE, linestyle="--", label="running average")
+        (self.operator,) = axes.plot(
+            [], [], color=style.BLUE, linestyle="-", label="line of an operator who masks"
         )
         axes.axhline(result["truth"] / 1e3, color=style.BLACK, linestyle=":", label="truth")
-        axes.set(xlim=(0, time[-1]), ylim=(0, 12), xlabel="time (s)", ylabel="range (km)")
+        axes.set(xlim=(0, result["time"][-1]), ylim=(0, 12), xlabel="time (s)", ylabel="range (km)")
         axes.legend(loc="upper left", ncols=2)
         axes.set_title("A bad stretch poisons every later average")
+        style.animate(self.readings, self.average, self.operator)
 
     def draw(self, result):
-        """Everything is drawn already; return the sentence."""
+        """Draw the readings and both averages."""
+        for line, name in (
+            (self.readings, "readings"),
+            (self.average, "average"),
+            (self.operator, "operator"),
+        ):
+            line.set_data(result["time"], result[name] / 1e3)
         end, line = result["average"][-1] / result["truth"] - 1, result["operator"][-1] / result["truth"] - 1
         return (
             f"At the end the machine's running average of range is {100 * end:+.0f} % off, "
@@ -354,13 +357,15 @@ class ChartView:
     def __init__(self, result):
         self.figure = style.figure(9, 3.6)
         axes = self.figure.subplots()
-        axes.plot(result["time"], result["unit"] * result["curvature"], "o", color=style.BLUE, markersize=4)
+        (self.dots,) = axes.plot([], [], "o", color=style.BLUE, markersize=4)
         _range_axis(axes, result["unit"], PAPER_TICKS)
         axes.set(xlim=(0, result["time"][-1]), xlabel="time (s)")
         axes.set_title("On this chart, the straight line your eye draws is the right average")
+        style.animate(self.dots)
 
     def draw(self, result):
-        """Everything is drawn already; return the sentence."""
+        """Draw the readings."""
+        self.dots.set_data(result["time"], result["unit"] * result["curvature"])
         shown = result["curvature"][np.isfinite(result["curvature"])]
         low, high = np.percentile(1e-3 / np.maximum(shown, 1e-9), [25, 75])
         return f"{shown.size} readings of range; half of them lie between {low:.1f} and {high:.1f} km."
@@ -376,48 +381,51 @@ class OperatorView:
 
     def __init__(self, result):
         self.figure = style.figure(9, 6.5)
-        *self.displays, self.chart = self.figure.subplots(3, 1, sharex=True, height_ratios=(1, 1, 1.7))
+        *displays, chart = self.figure.subplots(3, 1, sharex=True, height_ratios=(1, 1, 1.7))
+        names = "Pair 1-2", "Pair 2-3"
+        both = [self._display(*each, result) for each in zip(displays, names, strict=True)]
+        self.images, self.picks = zip(*both, strict=True)
+        self.shades = [
+            axes.axvspan(0, 0, ymax=top, facecolor="#999999", alpha=0.6)
+            for axes, top in zip((*displays, chart), (1, 1, 0.8), strict=True)
+            for _ in range(2)
+        ]
+        style.animate(*self.shades)
+        self._chart(chart, result)
+
+    def _display(self, axes, name, result):
+        """One pair's picture: the image, and the dots of the picks."""
         time, offsets = result["time"], 1e3 * result["offsets"]
-        extent = (time[0] - 0.5, time[-1] + 0.5, offsets[0], offsets[-1])
         size = 1.8 * np.median(np.abs(result["curves"]))
-        self.images, self.picks, self.shades = [], [], []
-        for axes, name in zip(self.displays, ("Pair 1-2", "Pair 2-3"), strict=True):
-            image = axes.imshow(
-                result["curves"][0].T, cmap=colormaps[style.FIELD_MAP].resampled(20), extent=extent,
-                aspect="auto", origin="lower", interpolation="nearest",
-                vmin=-size, vmax=size,
-            )  # fmt: skip
-            line = axes.axhline(0, color="white", linewidth=1.2, linestyle="--")
-            (dots,) = axes.plot(
-                [], [], "o", color="white", markersize=3.5, markeredgecolor="black", markeredgewidth=0.6
-            )
-            axes.set(ylabel="offset from\nyour line (ms)")
-            axes.set_title(f"{name}: upwards, bright turns to dark at the target", fontsize=10)
-            axes.grid(False)
-            self.images.append(image)
-            self.picks.append(dots)
-            style.animate(image, line, dots)
-        for axes, top in zip((*self.displays, self.chart), (1, 1, 0.8), strict=True):
-            for _ in range(2):
-                shade = axes.axvspan(0, 0, ymax=top, facecolor="#999999", alpha=0.6)
-                self.shades.append(*style.animate(shade))
-        (self.used,) = self.chart.plot([], [], "o", color=style.BLUE, markersize=4, label="seconds kept")
-        (self.struck,) = self.chart.plot(
+        image = axes.imshow(
+            result["curves"][0].T, cmap=colormaps[style.FIELD_MAP].resampled(20), aspect="auto",
+            extent=(time[0] - 0.5, time[-1] + 0.5, offsets[0], offsets[-1]), origin="lower",
+            interpolation="nearest", vmin=-size, vmax=size,
+        )  # fmt: skip
+        line = axes.axhline(0, color="white", linewidth=1.2, linestyle="--")
+        (dots,) = axes.plot(
+            [], [], "o", color="white", markersize=3.5, markeredgecolor="black", markeredgewidth=0.6
+        )
+        axes.set(ylabel="offset from\nyour line (ms)")
+        axes.set_title(f"{name}: upwards, bright turns to dark at the target", fontsize=10)
+        axes.grid(False)
+        style.animate(image, line, dots)
+        return image, dots
+
+    def _chart(self, axes, result):
+        (self.used,) = axes.plot([], [], "o", color=style.BLUE, markersize=4, label="seconds kept")
+        (self.struck,) = axes.plot(
             [], [], "o", color=style.GREY, markersize=4, markerfacecolor="none", label="struck out"
         )
-        (self.line,) = self.chart.plot(
-            [], [], color=style.BLACK, linestyle="-", label="line through those kept"
-        )
-        (self.mine,) = self.chart.plot([], [], color=style.ORANGE, linestyle="--", label="the range you read")
-        (self.machine,) = self.chart.plot(
-            [], [], color=style.GREEN, linestyle="-.", label="machine (when shown)"
-        )
-        (self.truth,) = self.chart.plot(
+        (self.line,) = axes.plot([], [], color=style.BLACK, linestyle="-", label="line through those kept")
+        (self.mine,) = axes.plot([], [], color=style.ORANGE, linestyle="--", label="the range you read")
+        (self.machine,) = axes.plot([], [], color=style.GREEN, linestyle="-.", label="machine (when shown)")
+        (self.truth,) = axes.plot(
             [], [], color=style.PINK, linestyle=":", linewidth=3, label="truth (when shown)"
         )
-        _range_axis(self.chart, result["unit"], DESK_TICKS)
-        self.chart.set(xlim=extent[:2], xlabel="time (s)")
-        self.chart.legend(loc="upper left", ncols=3)
+        _range_axis(axes, result["unit"], DESK_TICKS)
+        axes.set(xlim=(result["time"][0] - 0.5, result["time"][-1] + 0.5), xlabel="time (s)")
+        axes.legend(loc="upper left", ncols=3)
         style.animate(self.used, self.struck, self.line, self.mine, self.machine, self.truth)
 
     def draw(self, result):

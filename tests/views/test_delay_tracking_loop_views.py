@@ -21,7 +21,7 @@ def discriminator(now=60e-6):
 def response():
     return dict(
         time=TIME, truth=0 * TIME, theory=0 * TIME, mean=0 * TIME, trials=np.zeros((20, 3)),
-        time_constant=0.3, left=-0.2e-6, jitter=4.2e-6, astray=0.0,
+        time_constant=0.3, left=-0.2e-6, jitter=4.2e-6, slipped=0.0,
     )  # fmt: skip
 
 
@@ -29,7 +29,7 @@ def tuning(revealed=True):
     x = np.geomspace(0.03, 2, 9)
     return dict(
         constants=x, lags=1e-4 * x, jitters=1e-5 / x, totals=1e-4 * x, revealed=revealed, time_constant=0.06,
-        best=0.204, lag=4e-6, jitter3=54e-6, total=58e-6, least=41e-6, astray=0.0,
+        best=0.204, lag=4e-6, jitter3=54e-6, total=58e-6, least=41e-6, slipped=0.0,
     )  # fmt: skip
 
 
@@ -140,11 +140,11 @@ def test_the_desk_without_a_range_says_so():
 
 
 @pytest.mark.parametrize("name", ["response", "tuning"])
-def test_loops_that_went_astray_are_counted(name):
+def test_loops_that_slipped_are_counted(name):
     make, result, _ = CASES[name]
     view = make(result())
-    assert "astray" not in view.draw(result())
-    assert "25 % of the loops have gone astray" in view.draw(result() | {"astray": 0.25})
+    assert "slipped" not in view.draw(result())
+    assert "25 % of the loops have slipped" in view.draw(result() | {"slipped": 0.25})
 
 
 def test_measured_errors_beyond_the_axes_are_drawn_at_their_edge():
