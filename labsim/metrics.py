@@ -21,11 +21,6 @@ def angle_rmse(angle, truth, axis=0):
     return rmse(angle_difference(angle, truth), axis)
 
 
-def circular_mean(angle, axis=0):
-    """Direction of the mean unit vector, radians."""
-    return np.angle(np.mean(np.exp(1j * np.asarray(angle)), axis=axis))
-
-
 def rmse_standard_error(value, trials):
     """Standard error of an RMSE measured over independent Gaussian errors: value / sqrt(2 trials)."""
     return np.asarray(value) / np.sqrt(2 * require_positive("trials", trials))
@@ -36,12 +31,15 @@ def convergence_time(time, error, threshold):
 
     time : (n,); error : (..., n); threshold : in the unit of `error`, above 0
     Returns (...), NaN where the last error is still outside (or NaN).
+    Raises ValueError for shapes that do not match or a threshold that is not positive.
     """
     require_positive("threshold", threshold)
+    time = require_shape("time", time, (None,))
+    error = require_shape("error", error, time.shape)
     settled = np.abs(error) <= threshold
     stays = np.flip(np.logical_and.accumulate(np.flip(settled, -1), -1), -1)
     first = np.argmax(stays, axis=-1)
-    return np.where(stays[..., -1], np.asarray(time, dtype=float)[first], np.nan)
+    return np.where(stays[..., -1], time[first], np.nan)
 
 
 def ospa(estimates, truth, cutoff, order=2):

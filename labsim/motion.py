@@ -15,6 +15,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 from labsim.arguments import require_finite, require_not_negative, require_positive, require_shape
 
 EARTH_RADIUS = 6_371_008.8
+COLUMNS = {"time", "x", "y", "latitude", "longitude"}
 OTHER_NAMES = {"lat": "latitude", "lon": "longitude", "timestamp": "time", "basedatetime": "time"}
 
 
@@ -123,14 +124,15 @@ def waypoint_track(time, position):
 def load_track(path, origin=None):
     """Read a recorded GPS or AIS track of one vessel from a CSV file with a header line.
 
-    Columns: `time` (s, or ISO 8601 date and time, UTC unless it says otherwise), and either `x`, `y` (m, east
-    and north) or `latitude`, `longitude` (degrees; read as metres east and north of the origin). The
-    names lat, lon, timestamp and BaseDateTime are understood. Other columns are left alone; the first time
-    becomes 0.
+    Columns: `time` (s, or ISO 8601 date and time, UTC unless it says otherwise; one kind in all rows), and
+    either `x`, `y` (m, east and north) or `latitude`, `longitude` (degrees; read as metres east and north of
+    the origin); x and y where a file has both. The names lat, lon, timestamp and BaseDateTime are understood.
+    Other columns are left alone; the first time becomes 0.
     origin : what becomes (0, 0), say the sensor, in the file's unit: (x, y) or (latitude, longitude);
         if None, the zero of x and y, or the first latitude and longitude
-    Returns a Track through the points. Raises ValueError naming the file and what is wrong: a missing
-    column, fewer than two rows, a value that is not a number, times unsorted or repeated.
+    Returns a Track through the points. Raises ValueError naming the file and what is wrong: a column missing
+    or there twice, fewer than two rows, a value that is not a number, times unsorted, repeated or not of
+    one kind.
     """
     name = Path(path).name
     with open(path, newline="", encoding="utf-8-sig") as file:
@@ -139,8 +141,7 @@ def load_track(path, origin=None):
             rows, header = list(reader), reader.fieldnames or []
         except (UnicodeDecodeError, csv.Error):
             raise ValueError(f"{name} must be a CSV file of text in UTF-8") from None
-    columns = {(column or "").strip().lower(): column for column in header}
-    columns = {OTHER_NAMES.get(column, column): key for column, key in columns.items()}
+    columns = _columns(name, header)
     pair = next((pair for pair in (("x", "y"), ("latitude", "longitude")) if set(pair) <= set(columns)), None)
     if "time" not in columns or pair is None:
         raise ValueError(
@@ -149,7 +150,7 @@ def load_track(path, origin=None):
         )
     if len(rows) < 2:
         raise ValueError(f"{name} must have at least 2 rows of positions, but has {len(rows)}")
-    time = np.array([_seconds(name, number, row[columns["time"]]) for number, row in enumerate(rows, 2)])
+    time = _times(name, [row[columns["time"]] for row in rows])
     values = np.array([[_number(name, n, c, row[columns[c]]) for c in pair] for n, row in enumerate(rows, 2)])
     time = require_increasing(f"time in {name}", time - time[0])
     geographic = pair[0] == "latitude"
@@ -158,22 +159,20 @@ def load_track(path, origin=None):
     return waypoint_track(time, _metres(name, values, zero) if geographic else values - zero)
 
 
-def retarded_time(track, height, time, sound_speed, sensor=(0.0, 0.0)):
-    """The time at which the sound heard at `time` left the source.
+def retarded_time(track, height, time, sound_speed):
+    """The time at which the sound heard at `time` by a sensor at the origin left the source.
 
-    Solves c (t - tau) = |source(tau) - sensor| by Newton's method to below 1e-9 m.
-    track : Track; height : of the source above the sensor, m; time : (...), s
-    sound_speed : m/s; sensor : (2,), horizontal position of the sensor, m
+    Solves c (t - tau) = |source(tau)| by Newton's method to below 1e-9 m.
+    track : Track; height : of the source above the sensor, m; time : (...), s; sound_speed : m/s
     Returns tau (...), s. Raises ValueError for a source that is not slower than sound.
     """
     time = require_finite("time", time)
     require_positive("sound_speed", sound_speed)
     emitted = np.array(time, dtype=float)
     for _ in range(50):
-        offset = track.position(emitted) - np.asarray(sensor, dtype=float)
-        velocity = track.velocity(emitted)
-        distance = np.sqrt(np.sum(offset**2, axis=-1) + height**2)
-        range_rate = np.sum(offset * velocity, axis=-1) / np.maximum(distance, 1e-12)
+        position, velocity = track.position(emitted), track.velocity(emitted)
+        distance = np.sqrt(np.sum(position**2, axis=-1) + height**2)
+        range_rate = np.sum(position * velocity, axis=-1) / np.maximum(distance, 1e-12)
         miss = distance - sound_speed * (time - emitted)
         if np.any(np.abs(range_rate) >= sound_speed):
             raise ValueError(f"the source must be slower than sound, {sound_speed:g} m/s")
@@ -200,26 +199,49 @@ def _direction(heading):
     return np.array([np.cos(heading), np.sin(heading)])
 
 
-def _seconds(name, line, text):
+def _columns(name, header):
+    """The file's name of each column by what it means; two columns of one meaning are refused."""
+    columns = {}
+    for column in header:
+        meaning = (column or "").strip().lower()
+        meaning = OTHER_NAMES.get(meaning, meaning)
+        if meaning in COLUMNS and meaning in columns:
+            raise ValueError(
+                f"{name} must have one column of {meaning}, but has {columns[meaning]!r} and {column!r}"
+            )
+        columns[meaning] = column
+    return columns
+
+
+def _times(name, texts):
+    """The times of all rows, s, each read as the first one is: as a number, or as a date and time."""
+    dated = _parsed(float, texts[0]) is None
+    parse, kind = (_moment, "a date and time") if dated else (float, "seconds")
+    times = []
+    for line, text in enumerate(texts, 2):
+        times.append(_parsed(parse, text))
+        if times[-1] is None:
+            allowed = "seconds or a date and time" if line == 2 else f"{kind} as in line 2"
+            raise ValueError(f"{name}, line {line}: time must be {allowed}, but is {text!r}")
+    return np.array(times)
+
+
+def _moment(text):
+    moment = datetime.fromisoformat(text.strip())
+    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+
+
+def _parsed(parse, text):
+    """The value that `parse` finds in a cell, or None."""
     try:
-        return float(text)
-    except (TypeError, ValueError):
-        pass
-    try:
-        moment = datetime.fromisoformat(text.strip())
-        return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
-    except (AttributeError, ValueError):
-        raise ValueError(
-            f"{name}, line {line}: time must be seconds or a date and time, but is {text!r}"
-        ) from None
+        return parse(text)
+    except (AttributeError, TypeError, ValueError):
+        return None
 
 
 def _number(name, line, column, text):
-    try:
-        value = float(text)
-    except (TypeError, ValueError):
-        value = np.nan
-    if not np.isfinite(value):
+    value = _parsed(float, text)
+    if value is None or not np.isfinite(value):
         raise ValueError(f"{name}, line {line}: {column} must be a finite number, but is {text!r}")
     return value
 
