@@ -47,8 +47,8 @@ class ErrorView:
             mark.set_data([time[best]], [expected[best]])
             self.titles[which].set_text(f"{name}: least error near {time[best]:.0f} s")
             words.append(
-                f"{name.lower()} {_two(measured[best])}° near {time[best]:.0f} s "
-                f"and {_two(measured[-1])}° last"
+                f"{name.lower()} {style.two_digits(measured[best])}° near {time[best]:.0f} s "
+                f"and {style.two_digits(measured[-1])}° last"
             )
         return f"RMSE over {result['trials']} records: {'; '.join(words)}."
 
@@ -239,11 +239,6 @@ class ContestView:
             f"With velocity noise {result['ratio']:.2g} times the pressure noise, at 0 dB, "
             f"averaged intensity errs by {one:.2f} times the bound and maximum likelihood by {other:.2f}."
         )
-
-
-def _two(value):
-    """Two significant digits, without powers of ten."""
-    return f"{float(f'{value:.2g}'):g}"
 
 
 def _plain(axis):

@@ -4,6 +4,7 @@ import numpy as np
 
 from labsim.metrics import angle_rmse, rmse
 from labsim.views import style
+from labsim.views.style import two_digits
 
 SCATTER, TRUTH = (
     {"color": style.BLUE, "alpha": 0.6},
@@ -97,12 +98,13 @@ class FitView:
         near = np.abs(time - result["abeam"]) < 2
         along, across = np.sqrt(np.nanmean(result["error"][near] ** 2, axis=0))
         self.titles[0].set_text(result["fit"])
-        self.titles[1].set_text(f"Near abeam wrong by {_two(np.hypot(along, across))} m/s")
+        self.titles[1].set_text(f"Near abeam wrong by {two_digits(np.hypot(along, across))} m/s")
         self.titles[2].set_text(_larger("Most of the error lies", along, across))
         return (
-            f"{result['fit']}: within 2 s of the closest approach the velocity is wrong by {_two(along)} m/s "
-            f"along the track and {_two(across)} m/s across it (RMSE of {result['runs']} runs); the least "
-            f"that all windows so far allow is {_two(np.nanmean(result['bound'][near]))} m/s"
+            f"{result['fit']}: within 2 s of the closest approach the velocity is wrong by "
+            f"{two_digits(along)} m/s along the track and {two_digits(across)} m/s across it "
+            f"(RMSE of {result['runs']} runs); the least that all windows so far allow is "
+            f"{two_digits(np.nanmean(result['bound'][near]))} m/s"
             f"{' (this fit also looks ahead)' if result['ahead'] else ''}.{_lost(time, result['points'])}"
         )
 
@@ -141,11 +143,11 @@ class ComparisonView:
             line.set_data(time, error)
         end = np.flatnonzero(np.isfinite(result["bound"]))[-1]
         known = {name: error[end] for name, error in errors.items() if np.isfinite(error[end])}
-        said = "; ".join(f"{name}: {_two(error)}" for name, error in known.items())
+        said = "; ".join(f"{name}: {two_digits(error)}" for name, error in known.items())
         silent = "; ".join(name for name in errors if name not in known)
         return (
             f"At {result['snr_db']:.0f} dB, after {time[end]:.0f} s, the velocity is wrong by (m/s) {said}; "
-            f"the bound is {_two(result['bound'][end])}"
+            f"the bound is {two_digits(result['bound'][end])}"
             f"{f' (no value at {time[end]:.0f} s: {silent})' if silent else ''}."
         )
 
@@ -186,13 +188,13 @@ class AssumptionView:
         miss = rmse((found[0] - true[0])[known])
         turn = np.degrees(angle_rmse(*np.radians([found[1], true[1]])[:, known]))
         off = rmse(np.linalg.norm(result["fitted"] - result["truth"], axis=-1)[known])
-        self.titles[0].set_text(f"Position wrong by {_two(off)} m")
-        self.titles[1].set_text(f"Speed wrong by {_two(miss)} m/s")
-        self.titles[2].set_text(f"Course wrong by {_two(turn)}°")
+        self.titles[0].set_text(f"Position wrong by {two_digits(off)} m")
+        self.titles[1].set_text(f"Speed wrong by {two_digits(miss)} m/s")
+        self.titles[2].set_text(f"Course wrong by {two_digits(turn)}°")
         first, last = result["time"][known][[0, -1]]
         return (
-            f"From {first:.0f} to {last:.0f} s speed is wrong by {_two(miss)} m/s (on average it is "
-            f"{np.mean((found[0] / true[0])[known]):.2f} times the truth) and course by {_two(turn)}°, "
+            f"From {first:.0f} to {last:.0f} s speed is wrong by {two_digits(miss)} m/s (on average it is "
+            f"{np.mean((found[0] / true[0])[known]):.2f} times the truth) and course by {two_digits(turn)}°, "
             f"root mean squares over time in one run."
         )
 
@@ -214,11 +216,6 @@ def _legend(figure, axes, more=(), labels=()):
     figure.get_layout_engine().set(h_pad=0.08)
     handles, names = axes.get_legend_handles_labels()
     figure.legend([*handles, *more], [*names, *labels], loc="outside lower center", ncols=8)
-
-
-def _two(value):
-    """Two significant digits, without powers of ten."""
-    return f"{float(f'{value:.2g}'):g}"
 
 
 def _lost(time, points):
@@ -244,8 +241,8 @@ def _position_error(distance, along, across):
     if np.isnan(along):
         return f"at {distance:.0f} m slant range some directions no longer meet the surface"
     return (
-        f"at {distance:.0f} m slant range a position is wrong by {_two(along)} m along the line of sight "
-        f"and {_two(across)} m across it"
+        f"at {distance:.0f} m slant range a position is wrong by {two_digits(along)} m along the line of "
+        f"sight and {two_digits(across)} m across it"
     )
 
 

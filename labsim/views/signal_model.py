@@ -20,7 +20,8 @@ class RecordView:
         self.figure = style.figure(9, 7.2)
         self.wave, self.image, self.curve = self.figure.subplots(3, 1, sharex=True)
         (self.trace,) = self.wave.plot([], [], color=style.BLUE, linewidth=0.6)
-        self.wave.set(ylabel="pressure (signal rms\nat closest = 1)", xlim=(0, 60), ylim=(-5, 5))
+        self.wave.set(xlim=(0, 60), ylim=(-5, 5))
+        self.wave.set_ylabel("pressure (root mean square of\nthe signal at closest = 1)")
         self.wave.set_title("Figure 2: the sound swells and fades as the vessel passes")
         self.field = self.image.imshow(
             np.zeros((2, 2)), origin="lower", aspect="auto", cmap=style.FIELD_MAP, vmin=-12, vmax=20

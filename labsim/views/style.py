@@ -31,3 +31,8 @@ def animate(*artists):
     for artist in artists:
         artist.set_animated(True)
     return artists
+
+
+def two_digits(value):
+    """A number in two significant digits, without powers of ten."""
+    return f"{float(f'{value:.2g}'):g}"
