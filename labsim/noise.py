@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from labsim.arguments import require_finite, require_positive, require_shape
+from labsim.arguments import require_finite, require_interval, require_positive, require_shape
 
 TAPS = 12
 KAISER_BETA = 9.5
@@ -27,17 +27,6 @@ def power_ratio(level_db):
     return 10 ** (np.asarray(level_db, dtype=float) / 10)
 
 
-def check_band(band, sample_rate):
-    """Return (low, high) in Hz; raise ValueError unless 0 <= low < high <= sample_rate / 2."""
-    low, high = require_shape("band", band, (2,))
-    if not 0 <= low < high <= sample_rate / 2:
-        raise ValueError(
-            f"band must be (low, high) with 0 <= low < high <= {sample_rate / 2:g} Hz, half the sample rate, "
-            f"but ({low:g}, {high:g}) was given"
-        )
-    return float(low), float(high)
-
-
 def band_noise(rng, shape, band, sample_rate):
     """Gaussian noise of unit variance with a flat spectrum inside `band` and nothing outside.
 
@@ -46,9 +35,9 @@ def band_noise(rng, shape, band, sample_rate):
     band : (low, high), Hz
     sample_rate : Hz
     Returns an array of that shape. It is periodic with the length of the record.
-    Raises ValueError for a band outside (0, sample_rate / 2) or narrower than one frequency bin.
+    Raises ValueError for a band outside 0 to sample_rate / 2 or narrower than one frequency bin.
     """
-    low, high = check_band(band, sample_rate)
+    low, high = require_interval("band", band, 0, sample_rate / 2)
     *batch, samples = np.atleast_1d(shape)
     frequency = np.fft.rfftfreq(samples, 1 / sample_rate)
     inside = (frequency >= low) & (frequency <= high) & (frequency > 0) & (frequency < sample_rate / 2)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labsim.arguments import require_positive, require_shape
+from labsim.arguments import require_positive, require_shape, require_whole
+from labsim.vector_sensor import unit_vector
 
 STEPS = 10
 
@@ -24,26 +25,27 @@ class Motion:
     velocity: np.ndarray
 
 
-def position(azimuth, elevation, depth):
+def position(azimuth, angle_from_vertical, depth):
     """The point of the surface in a given direction (Wu & Hu 2010, eq. 5).
 
     azimuth : (...), radians from the x axis towards the y axis
-    elevation : (...), radians from the vertical, as in the paper (0 is straight up)
+    angle_from_vertical : (...), radians, 0 straight up; the paper calls it elevation
     depth : of the sensor under the surface, m
     Returns (..., 2), m from the point above the sensor; the paper's r_k is this range.
-    NaN where the direction is NaN or does not meet the surface (elevation not below pi/2).
+    NaN where the direction is NaN or does not meet the surface (angle_from_vertical not below pi/2).
     Raises ValueError for a depth that is not positive.
     """
     require_positive("depth", depth)
-    elevation = np.asarray(elevation, dtype=float)
-    meets = (elevation >= 0) & (elevation < np.pi / 2)
-    horizontal_range = depth * np.tan(np.where(meets, elevation, np.nan))
+    angle = np.asarray(angle_from_vertical, dtype=float)
+    meets = (angle >= 0) & (angle < np.pi / 2)
+    horizontal_range = depth * np.tan(np.where(meets, angle, np.nan))
     bearing = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
     return horizontal_range[..., None] * bearing
 
 
 def slant_range(position, depth):
     """Distance from the sensor to points of the surface: (..., 2), m -> (...), m."""
+    position = require_shape("position", position, (2,))
     require_positive("depth", depth)
     return np.hypot(np.hypot(position[..., 0], position[..., 1]), depth)
 
@@ -141,12 +143,13 @@ def position_precision(position, depth, angle_error):
 
     position : (..., 2), d, m; depth : m
     angle_error : (...), standard deviation of the direction, radians
-    Returns (..., 2, 2), 1/m^2. Raises ValueError for values that are not positive.
+    Returns (..., 2, 2), 1/m^2. Raises ValueError for a wrong shape or values that are not positive.
     """
-    require_positive("angle_error", angle_error)
+    position = require_shape("position", position, (2,))
+    angle_error = require_positive("angle_error", angle_error)
     distance = slant_range(position, depth)[..., None, None]
     shape = np.eye(2) - position[..., :, None] * position[..., None, :] / distance**2
-    return shape / (distance * np.asarray(angle_error)[..., None, None]) ** 2
+    return shape / (distance * angle_error[..., None, None]) ** 2
 
 
 def motion_fit(position, time, precision=None, span=None, centred=False):
@@ -193,7 +196,7 @@ def weighted_motion_fit(position, time, depth, angle_error, span=None, centred=F
     return motion_fit(position, time, precision, span, centred)
 
 
-def maximum_likelihood_motion(azimuth, elevation, time, depth, sound_speed, angle_error):
+def maximum_likelihood_motion(azimuth, angle_from_vertical, time, depth, sound_speed, angle_error):
     """Uniform motion most likely to have given these directions, all windows at once.
 
     Directions with Gaussian errors, of standard deviation angle_error across them, are compared with those
@@ -201,7 +204,7 @@ def maximum_likelihood_motion(azimuth, elevation, time, depth, sound_speed, angl
     Each step is a weighted motion fit in which weights, errors and emission times are those of the fitted
     track, not of the noisy points.
 
-    azimuth, elevation : (..., n), radians, elevation from the vertical; NaN windows are left out
+    azimuth, angle_from_vertical : (..., n), radians; NaN windows are left out
     time : (n,), middle of each window, s; depth : m; sound_speed : m/s
     angle_error : scalar or (n,) or (..., n), radians
     Returns a Motion: position (..., n, 2) at each window, and velocity (..., n, 2), the same in all windows.
@@ -209,10 +212,10 @@ def maximum_likelihood_motion(azimuth, elevation, time, depth, sound_speed, angl
     Raises ValueError for shapes that do not match or values that are not positive.
     """
     azimuth = require_shape("azimuth", azimuth, (None,))
-    elevation = require_shape("elevation", elevation, azimuth.shape[-1:])
+    angle = require_shape("angle_from_vertical", angle_from_vertical, azimuth.shape[-1:])
     require_positive("angle_error", angle_error)
-    heard = _unit_vector(azimuth, elevation)
-    points = position(azimuth, elevation, depth)
+    heard = unit_vector(azimuth, angle)
+    points = position(azimuth, angle, depth)
     known = np.isfinite(heard).all(axis=-1)
     emitted = emission_time(points, time, depth, sound_speed)
     centre = _mean_time(emitted)
@@ -270,8 +273,9 @@ def _growing_moments(position):
     position = require_shape("position", position, (None, 2))
     known = np.isfinite(position).all(axis=-1, keepdims=True)
     count = np.cumsum(known, axis=-2)
+    position = np.where(known, position, 0.0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        centre = np.nanmean(position, axis=-2, keepdims=True)
+        centre = np.sum(position, axis=-2, keepdims=True) / count[..., -1:, :]
         offset = np.where(known, position - centre, 0.0)
         mean = np.where(count >= 2, np.cumsum(offset, axis=-2) / count, np.nan)
         square = np.cumsum(offset[..., :, None] * offset[..., None, :], axis=-3) / count[..., None]
@@ -298,11 +302,6 @@ def _nearest_known(known):
 
 def _mean_time(time):
     return np.mean(time[np.isfinite(time)]) if np.isfinite(time).any() else 0.0
-
-
-def _unit_vector(azimuth, elevation):
-    across = np.sin(elevation)
-    return np.stack([np.cos(azimuth) * across, np.sin(azimuth) * across, np.cos(elevation)], axis=-1)
 
 
 def _shift_towards(heard, track, depth):
@@ -344,8 +343,7 @@ def _window_sum(values, axis, span, centred):
     if span is None:
         return total
     windows = values.shape[axis]
-    if not 2 <= span <= windows or span != int(span):
-        raise ValueError(f"span must be a whole number of windows from 2 to {windows}, but {span} was given")
+    span = require_whole("span", span, 2, windows)
     total = np.moveaxis(total, axis, 0)
     sums = np.zeros_like(total)
     first = span // 2 if centred else span - 1

@@ -20,10 +20,18 @@ from scipy.fft import next_fast_len
 from scipy.interpolate import PPoly
 from scipy.io import wavfile
 
-from labsim.arguments import require_between, require_choice, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_choice,
+    require_finite,
+    require_interval,
+    require_positive,
+    require_scalar,
+    require_shape,
+    require_whole,
+)
 from labsim.metrics import angle_difference
 from labsim.motion import Track, retarded_time, straight_track
-from labsim.noise import band_noise, check_band, decibels, power_ratio, sample_at
+from labsim.noise import band_noise, decibels, power_ratio, sample_at
 
 CHANNEL_ORDERS = {
     "pxyz": ((0, 1, 2, 3), 1.0),
@@ -61,13 +69,13 @@ class PassingVessel:
     track: Track | None = None
 
     def __post_init__(self):
-        positive = "sensor_depth sound_speed sample_rate duration window velocity_noise_ratio"
-        for name in positive.split():
-            _scalar(name, require_positive(name, getattr(self, name)))
-        for name in ("snr_db", "heading", "speed"):
-            _scalar(name, require_finite(name, getattr(self, name)))
+        above_0 = ("sensor_depth", "sound_speed", "sample_rate", "duration", "window", "velocity_noise_ratio")
+        for name in above_0:
+            require_positive(name, getattr(self, name))
+        for name in (*above_0, "snr_db", "heading", "speed"):
+            require_scalar(name, getattr(self, name))
         require_shape("start", require_finite("start", self.start), (2,))
-        check_band(self.band, self.sample_rate)
+        require_interval("band", self.band, 0, self.sample_rate / 2)
         if not 0 <= self.speed < self.sound_speed:
             raise ValueError(
                 f"speed must lie from 0 to below {self.sound_speed:g} m/s, but {self.speed:g} was given"
@@ -107,10 +115,12 @@ class PassingVessel:
 
 @dataclass(frozen=True)
 class Geometry:
-    """Where the source is: time (...) s, position (..., 2) m, slant_range (...) m, azimuth (...) rad,
-    angle_from_vertical (...) rad, direction (..., 3), the unit vector from sensor to source."""
+    """Where a source heard at `time` (...), s, was at `emitted` (...), s, when the sound left it:
+    position (..., 2) m, slant_range (...) m, azimuth (...) rad, angle_from_vertical (...) rad and
+    direction (..., 3), the unit vector from sensor to source."""
 
     time: np.ndarray
+    emitted: np.ndarray
     position: np.ndarray
     slant_range: np.ndarray
     azimuth: np.ndarray
@@ -128,20 +138,20 @@ class Recording:
     sample_rate: float
 
 
-def static_source(azimuth, angle_from_vertical, **fields):
+def static_source(azimuth, angle_from_vertical, sensor_depth=100.0, window=0.5, **fields):
     """A PassingVessel that does not pass: at rest in the given direction, heard for one window.
 
     azimuth, angle_from_vertical : radians, the latter from 0 to below pi/2
-    fields : other fields of PassingVessel. Raises ValueError as PassingVessel does.
+    sensor_depth, window, fields : fields of PassingVessel; all but start and speed
+    Raises ValueError as PassingVessel does.
     """
-    angle = require_finite("angle_from_vertical", angle_from_vertical)
+    azimuth = require_scalar("azimuth", azimuth)
+    angle = require_scalar("angle_from_vertical", angle_from_vertical)
     if not 0 <= angle < np.pi / 2:
         raise ValueError(f"angle_from_vertical must lie from 0 to below pi/2 rad, but {angle:g} was given")
-    default = {name: PassingVessel.__dataclass_fields__[name].default for name in ("sensor_depth", "window")}
-    fields = default | fields
-    distance = fields["sensor_depth"] * np.tan(angle_from_vertical)
+    distance = require_scalar("sensor_depth", sensor_depth) * np.tan(angle)
     start = (distance * np.cos(azimuth), distance * np.sin(azimuth))
-    return PassingVessel(**({"start": start, "speed": 0.0, "duration": fields["window"]} | fields))
+    return PassingVessel(sensor_depth, start, speed=0.0, window=window, **({"duration": window} | fields))
 
 
 def one_window(scenario, time, window):
@@ -162,12 +172,21 @@ def window_centres(scenario):
     return (np.arange(scenario.windows) + 0.5) * scenario.samples_per_window / scenario.sample_rate
 
 
+def unit_vector(azimuth, angle_from_vertical):
+    """The direction a of two angles (...), radians: Wu & Hu 2010, eq. 1, without its misprint.
+
+    a = (cos az sin el, sin az sin el, cos el), el being the angle from the vertical; the paper prints cos el
+    in the second component, and |a| would not be 1. Returns (..., 3).
+    """
+    across = np.sin(angle_from_vertical)
+    x, y = np.cos(azimuth) * across, np.sin(azimuth) * across
+    return np.stack([x, y, np.cos(angle_from_vertical)], axis=-1)
+
+
 def geometry(scenario, time, retarded=True):
     """The source as heard at `time` (...), s: where it was when the sound left it.
 
-    Wu & Hu 2010, eq. 1, without its misprint: a = (cos az sin el, sin az sin el, cos el), el being the
-    angle from the vertical; the paper prints cos el in the second component, and |a| would not be 1.
-    The paper's equation has no propagation delay; retarded=False gives that instantaneous geometry.
+    Wu & Hu 2010, eq. 1, has no propagation delay; retarded=False gives that instantaneous geometry.
     Returns a Geometry.
     """
     time = require_finite("time", time)
@@ -182,12 +201,12 @@ def closest_approach(scenario):
     ends = np.array([0.0, scenario.duration])
     motion = scenario.motion
     low, high = retarded_time(motion, scenario.sensor_depth, ends, scenario.sound_speed)
-    for points in (1001, 101, 101, 101):
-        emitted = np.linspace(low, high, points)
-        best = emitted[np.argmin(np.sum(motion.position(emitted) ** 2, axis=-1))]
-        low, high = max(low, best - (emitted[1] - emitted[0])), min(high, best + (emitted[1] - emitted[0]))
-    there = _geometry_at(scenario, best, best)
-    return _geometry_at(scenario, best + there.slant_range / scenario.sound_speed, best)
+    for _ in range(3):
+        emitted = np.linspace(low, high, 1001)
+        nearest = np.argmin(np.sum(motion.position(emitted) ** 2, axis=-1))
+        low, high = emitted[max(nearest - 1, 0)], emitted[min(nearest + 1, 1000)]
+    there = _geometry_at(scenario, emitted[nearest], emitted[nearest])
+    return replace(there, time=there.emitted + there.slant_range / scenario.sound_speed)
 
 
 def snr(scenario, time):
@@ -205,13 +224,15 @@ def record(scenario, rng, interval=None):
 
     p(t) = s(tau) / r(tau) + n_p, v(t) = s(tau) a(tau) / r(tau) + n_v; tau is the time at
     which the sound heard at t left the vessel, so Doppler and delay are exact. The unit of
-    pressure is the rms signal at the closest approach. The motion of the source is slow:
-    (1 - M)^-2 in amplitude is left out.
+    pressure is the root mean square (rms) of the signal at the closest approach. The motion of
+    the source is slow: (1 - M)^-2 in amplitude is left out.
     rng : numpy.random.Generator; interval : (from, to), s, to hear only that part
     Returns a Recording. Raises ValueError for an interval outside the record.
     """
-    first, last = _sample_range(scenario, interval)
-    time = np.arange(first, last) / scenario.sample_rate
+    interval = (0, scenario.duration) if interval is None else interval
+    begin, end = require_interval("interval", interval, 0, scenario.duration)
+    first, last = round(begin * scenario.sample_rate), round(end * scenario.sample_rate)
+    time = np.arange(first, max(last, first + 1)) / scenario.sample_rate
     emitted = retarded_time(scenario.motion, scenario.sensor_depth, time, scenario.sound_speed)
     heard = _geometry_at(scenario, time, emitted)
     spreading = closest_approach(scenario).slant_range / heard.slant_range
@@ -234,7 +255,7 @@ def averaged_intensity(pressure, velocity, samples_per_window):
     pressure = require_shape("pressure", pressure, (None,))
     velocity = require_shape("velocity", velocity, (pressure.shape[-1], 3))
     samples = pressure.shape[-1]
-    length = int(require_between("samples_per_window", samples_per_window, 1, samples))
+    length = require_whole("samples_per_window", samples_per_window, 1, samples)
     windows = samples // length
     p = pressure[..., : windows * length].reshape(*pressure.shape[:-1], windows, length)
     v = velocity[..., : windows * length, :].reshape(*velocity.shape[:-2], windows, length, 3)
@@ -337,9 +358,11 @@ def maximum_likelihood_direction(covariance, velocity_noise_ratio=1.0):
     a = (lambda - Rvv)^-1 b, b = (Nv/Np) Rpv, with lambda the largest root of the secular
     equation |a| = 1, reached from below by Newton's method on 1/|a|.
     covariance : (..., 4, 4) of (p, vx, vy, vz); velocity_noise_ratio : Nv/Np
-    Returns azimuth (...), angle_from_vertical (...), radians; NaN where Rpv is zero.
+    Returns azimuth (...), angle_from_vertical (...), radians; NaN where Rpv is zero or a value not finite.
     """
     covariance = require_shape("covariance", covariance, (4, 4))
+    known = np.isfinite(covariance).all(axis=(-2, -1), keepdims=True)
+    covariance = np.where(known, covariance, 0.0)
     ratio = require_positive("velocity_noise_ratio", velocity_noise_ratio)
     level = np.trace(covariance, axis1=-2, axis2=-1)[..., None, None]
     covariance = covariance / np.where(level > 0, level, 1.0)
@@ -358,6 +381,11 @@ def intensity_error(snr, time_bandwidth, velocity_noise_ratio=1.0):
     """
     snr, time_bandwidth, ratio = _error_arguments(snr, time_bandwidth, velocity_noise_ratio)
     return np.sqrt(ratio / snr * (1 + 1 / snr) / (2 * time_bandwidth))
+
+
+def expected_error(scenario, time):
+    """The `intensity_error` of a vessel's windows centred at `time` (...), s: (...), radians."""
+    return intensity_error(snr(scenario, time), scenario.time_bandwidth, scenario.velocity_noise_ratio)
 
 
 def cramer_rao_bound(snr, time_bandwidth, velocity_noise_ratio=1.0):
@@ -414,11 +442,6 @@ def load_recording(wav, order="pxyz", gains=(1.0, 1.0, 1.0, 1.0)):
     return Recording(np.arange(len(data)) / rate, pressure_gain * pressure, velocity, float(rate))
 
 
-def _scalar(name, value):
-    if np.ndim(value) != 0:
-        raise ValueError(f"{name} must be one number, but an array of shape {np.shape(value)} was given")
-
-
 def _check_track(track, duration):
     if track is None:
         return
@@ -434,29 +457,15 @@ def _check_track(track, duration):
 def _geometry_at(scenario, time, emitted):
     position = scenario.motion.position(emitted)
     x, y = np.moveaxis(position, -1, 0)
-    height = np.full_like(x, scenario.sensor_depth)
     horizontal = np.hypot(x, y)
-    distance = np.hypot(horizontal, height)
-    direction = np.stack([x, y, height], axis=-1) / distance[..., None]
-    return Geometry(time, position, distance, np.arctan2(y, x), np.arctan2(horizontal, height), direction)
+    distance = np.hypot(horizontal, scenario.sensor_depth)
+    azimuth, angle = np.arctan2(y, x), np.arctan2(horizontal, scenario.sensor_depth)
+    return Geometry(time, emitted, position, distance, azimuth, angle, unit_vector(azimuth, angle))
 
 
 def _noise_powers(scenario):
     pressure = 1 / power_ratio(scenario.snr_db)
     return np.array([pressure, scenario.velocity_noise_ratio * pressure])
-
-
-def _sample_range(scenario, interval):
-    if interval is None:
-        return 0, scenario.samples
-    low, high = require_shape("interval", require_finite("interval", interval), (2,))
-    if not 0 <= low < high <= scenario.duration:
-        raise ValueError(
-            f"interval must be (from, to) with 0 <= from < to <= {scenario.duration:g} s, "
-            f"but ({low:g}, {high:g}) was given"
-        )
-    first = round(low * scenario.sample_rate)
-    return first, max(round(high * scenario.sample_rate), first + 1)
 
 
 def _unit_solution(b, gap):
@@ -489,7 +498,7 @@ def _source_signal(scenario, rng, emitted):
 
 
 def _blocks(scenario, blocks):
-    require_positive("blocks", blocks)
+    blocks = require_whole("blocks", blocks, 1)
     duration = scenario.samples_per_window / scenario.sample_rate
     time = (np.arange(scenario.windows * blocks) + 0.5) * duration / blocks
     heard = geometry(scenario, time)

@@ -11,10 +11,9 @@ from labsim.metrics import angle_difference, rmse
 from labsim.vector_sensor import (
     averaged_intensity,
     direction_of_arrival,
+    expected_error,
     geometry,
-    intensity_error,
     load_recording,
-    snr,
     window_centres,
 )
 
@@ -47,7 +46,7 @@ def test_directions_err_as_much_as_the_law_of_chapter_02_says():
     azimuth, angle = directions()
     across = angle_difference(azimuth, truth.azimuth) * np.sin(truth.angle_from_vertical)
     errors = np.stack([across, angle - truth.angle_from_vertical])
-    expected = intensity_error(snr(VESSEL, time), VESSEL.time_bandwidth)
+    expected = expected_error(VESSEL, time)
     assert rmse(errors / expected, axis=None) ** 2 == pytest.approx(1, abs=3.5 * np.sqrt(2 / errors.size))
 
 

@@ -1,5 +1,6 @@
 """The chain direction -> position -> velocity against theory, invariance, bounds and the paper's scenario."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +16,8 @@ from labsim.vector_sensor import (
     PassingVessel,
     cramer_rao_bound,
     direction_of_arrival,
+    expected_error,
     geometry,
-    intensity_error,
     sample_intensity,
     snr,
     window_centres,
@@ -27,7 +28,7 @@ TIME = window_centres(PAPER)
 HEARD = geometry(PAPER, TIME)
 EMITTED = TIME - HEARD.slant_range / PAPER.sound_speed
 VELOCITY = PAPER.motion.velocity(0.0)
-ERROR = intensity_error(snr(PAPER, TIME), PAPER.time_bandwidth)
+ERROR = expected_error(PAPER, TIME)
 DEPTH, WINDOW, SOUND_SPEED = PAPER.sensor_depth, PAPER.window, PAPER.sound_speed
 AT_20_S = 39
 TRIALS = 1000
@@ -80,8 +81,8 @@ def test_velocity_error_at_20_s(points, emitted, method, expected, rounding):
 
 def test_maximum_likelihood_meets_its_bound_at_20_s(directions):
     first = slice(0, AT_20_S + 1)
-    azimuth, elevation = directions[0][:, first], directions[1][:, first]
-    estimate = sm.maximum_likelihood_motion(azimuth, elevation, TIME[first], DEPTH, SOUND_SPEED, ERROR[first])
+    azimuth, angle = directions[0][:, first], directions[1][:, first]
+    estimate = sm.maximum_likelihood_motion(azimuth, angle, TIME[first], DEPTH, SOUND_SPEED, ERROR[first])
     value, error = vector_rmse(estimate.velocity[:, 0])
     bound = sm.motion_bound(HEARD.position, EMITTED, DEPTH, ERROR)[1][AT_20_S]
     assert bound == pytest.approx(0.138, abs=0.0005)
@@ -102,7 +103,7 @@ def test_maximum_likelihood_is_the_least_squares_of_the_sphere(directions):
     # Independent: scipy minimises the miss across each line of sight, retarded, from another start. Far from
     # the sensor the two define the miss of a large error differently, by its third power; hence 0.005 m/s.
     first = slice(0, AT_20_S + 1)
-    azimuth, elevation = directions[0][0, first], directions[1][0, first]
+    azimuth, angle = directions[0][0, first], directions[1][0, first]
 
     def misses(parameters):
         vessel = replace(
@@ -110,18 +111,18 @@ def test_maximum_likelihood_is_the_least_squares_of_the_sphere(directions):
             heading=np.arctan2(parameters[3], parameters[2]),
         )  # fmt: skip
         model = geometry(vessel, TIME[first])
-        across = np.sin(elevation) * np.sin(azimuth - model.azimuth)
-        return np.concatenate([across, elevation - model.angle_from_vertical]) / np.tile(ERROR[first], 2)
+        across = np.sin(angle) * np.sin(azimuth - model.azimuth)
+        return np.concatenate([across, angle - model.angle_from_vertical]) / np.tile(ERROR[first], 2)
 
     expected = least_squares(misses, [-200.0, 50.0, 5.0, 5.0], x_scale=[100, 100, 10, 10]).x
-    estimate = sm.maximum_likelihood_motion(azimuth, elevation, TIME[first], DEPTH, SOUND_SPEED, ERROR[first])
+    estimate = sm.maximum_likelihood_motion(azimuth, angle, TIME[first], DEPTH, SOUND_SPEED, ERROR[first])
     np.testing.assert_allclose(estimate.velocity[0], expected[2:], atol=0.005)
 
 
 def test_maximum_likelihood_has_converged_even_at_0_db(monkeypatch):
     faint = replace(PAPER, snr_db=0.0)
-    azimuth, elevation = direction_of_arrival(sample_intensity(faint, np.random.default_rng(1), 100))
-    arguments = (azimuth, elevation, TIME, DEPTH, SOUND_SPEED, 10 * ERROR)
+    azimuth, angle = direction_of_arrival(sample_intensity(faint, np.random.default_rng(1), 100))
+    arguments = (azimuth, angle, TIME, DEPTH, SOUND_SPEED, 10 * ERROR)
     usual = sm.maximum_likelihood_motion(*arguments)
     monkeypatch.setattr(sm, "STEPS", 5 * sm.STEPS)
     np.testing.assert_allclose(sm.maximum_likelihood_motion(*arguments).velocity, usual.velocity, atol=1e-5)
@@ -178,9 +179,9 @@ def test_a_weighted_span_near_the_ends_errs_as_its_bound_says(points, emitted, w
 def test_a_weighted_span_near_the_ends_is_hardly_biased():
     # 20 dB, 1000 trials, seed 14: what the tangent leaves at 50 s is below a fifth of the RMSE.
     loud = replace(PAPER, snr_db=20.0)
-    error = intensity_error(snr(loud, TIME), loud.time_bandwidth)
-    azimuth, elevation = direction_of_arrival(sample_intensity(loud, np.random.default_rng(14), TRIALS))
-    points = sm.position(azimuth, elevation, DEPTH)
+    error = expected_error(loud, TIME)
+    azimuth, angle = direction_of_arrival(sample_intensity(loud, np.random.default_rng(14), TRIALS))
+    points = sm.position(azimuth, angle, DEPTH)
     emitted = sm.emission_time(points, TIME, DEPTH, SOUND_SPEED)
     miss = sm.weighted_motion_fit(points, emitted, DEPTH, error, span=40, centred=True).velocity - VELOCITY
     for window in (20, 100):
@@ -211,8 +212,8 @@ def test_the_literal_fit_has_a_floor_even_without_noise():
     # differences err by v/sqrt(6 B T). 400 trials, seed 31; at 100 dB nothing else is left. Five blocks
     # in a window carry 1 - 1/25 of the variance.
     loud = replace(PAPER, snr_db=100.0)
-    azimuth, elevation = direction_of_arrival(sample_intensity(loud, np.random.default_rng(31), 400))
-    velocity = sm.line_fit_velocity(sm.position(azimuth, elevation, DEPTH), WINDOW)
+    azimuth, angle = direction_of_arrival(sample_intensity(loud, np.random.default_rng(31), 400))
+    velocity = sm.line_fit_velocity(sm.position(azimuth, angle, DEPTH), WINDOW)
     value, error = vector_rmse(velocity[:, AT_20_S : AT_20_S + 1])
     floor = PAPER.speed / np.sqrt(6 * PAPER.time_bandwidth)
     assert floor == pytest.approx(0.283, abs=0.0005)
@@ -221,8 +222,8 @@ def test_the_literal_fit_has_a_floor_even_without_noise():
 
 def test_the_line_gives_the_heading_that_the_step_does_not():
     # Heading RMSE of the line at 40 s is 0.27 degrees (1000 trials, seed 13; 2.3 % standard error).
-    azimuth, elevation = direction_of_arrival(sample_intensity(PAPER, np.random.default_rng(13), TRIALS))
-    slope, _ = sm.line_fit(sm.position(azimuth, elevation, DEPTH))
+    azimuth, angle = direction_of_arrival(sample_intensity(PAPER, np.random.default_rng(13), TRIALS))
+    slope, _ = sm.line_fit(sm.position(azimuth, angle, DEPTH))
     heading_error = np.degrees(rmse(np.arctan(slope[:, 79]) - PAPER.heading))
     assert heading_error == pytest.approx(0.27, rel=0.1)
 
@@ -358,11 +359,11 @@ ANGLES = st.floats(-3.0, 3.0)
 NOISY = np.random.default_rng(5).normal(scale=0.02, size=(2, TIME.size))
 
 
-def estimators(azimuth, elevation, time, depth, sound_speed):
-    points = sm.position(azimuth, elevation, depth)
+def estimators(azimuth, angle, time, depth, sound_speed):
+    points = sm.position(azimuth, angle, depth)
     emitted = sm.emission_time(points, time, depth, sound_speed)
     window = time[1] - time[0]
-    likely = sm.maximum_likelihood_motion(azimuth, elevation, time, depth, sound_speed, ERROR)
+    likely = sm.maximum_likelihood_motion(azimuth, angle, time, depth, sound_speed, ERROR)
     return {
         "raw": sm.difference_velocity(points, window)[1:],
         "orthogonal": sm.orthogonal_fit_velocity(points, window)[1:],
@@ -373,32 +374,32 @@ def estimators(azimuth, elevation, time, depth, sound_speed):
 
 
 AZIMUTH = HEARD.azimuth + NOISY[0]
-ELEVATION = HEARD.angle_from_vertical + NOISY[1]
-STILL_WORLD = estimators(AZIMUTH, ELEVATION, TIME, DEPTH, SOUND_SPEED)
+ANGLE = HEARD.angle_from_vertical + NOISY[1]
+STILL_WORLD = estimators(AZIMUTH, ANGLE, TIME, DEPTH, SOUND_SPEED)
 
 
 @settings(max_examples=15, deadline=None)
 @given(turn=ANGLES)
 def test_estimates_turn_with_the_world(turn):
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    turned = estimators(AZIMUTH + turn, ELEVATION, TIME, DEPTH, SOUND_SPEED)
+    turned = estimators(AZIMUTH + turn, ANGLE, TIME, DEPTH, SOUND_SPEED)
     for name, velocity in STILL_WORLD.items():
         np.testing.assert_allclose(turned[name], velocity @ rotation.T, atol=1e-6, err_msg=name)
 
 
 def test_the_literal_line_does_not_turn_with_the_world():
-    points = sm.position(AZIMUTH, ELEVATION, DEPTH)
-    quarter = sm.position(AZIMUTH + np.pi / 2, ELEVATION, DEPTH)
+    points = sm.position(AZIMUTH, ANGLE, DEPTH)
+    quarter = sm.position(AZIMUTH + np.pi / 2, ANGLE, DEPTH)
     speed = np.linalg.norm(sm.line_fit_velocity(points, WINDOW)[AT_20_S])
     assert abs(np.linalg.norm(sm.line_fit_velocity(quarter, WINDOW)[AT_20_S]) - speed) > 0.1
 
 
 def test_estimates_are_mirrored_with_the_world():
-    mirrored = estimators(-AZIMUTH, ELEVATION, TIME, DEPTH, SOUND_SPEED)
+    mirrored = estimators(-AZIMUTH, ANGLE, TIME, DEPTH, SOUND_SPEED)
     for name, velocity in STILL_WORLD.items():
         np.testing.assert_allclose(mirrored[name], velocity * [1, -1], atol=1e-7, err_msg=name)
-    slope, offset = sm.line_fit(sm.position(AZIMUTH, ELEVATION, DEPTH))
-    mirror_slope, mirror_offset = sm.line_fit(sm.position(-AZIMUTH, ELEVATION, DEPTH))
+    slope, offset = sm.line_fit(sm.position(AZIMUTH, ANGLE, DEPTH))
+    mirror_slope, mirror_offset = sm.line_fit(sm.position(-AZIMUTH, ANGLE, DEPTH))
     np.testing.assert_allclose(mirror_slope[1:], -slope[1:], rtol=1e-9)
     np.testing.assert_allclose(mirror_offset[1:], -offset[1:], rtol=1e-9)
 
@@ -407,17 +408,17 @@ def test_estimates_are_mirrored_with_the_world():
 @given(length=st.floats(0.1, 20.0), duration=st.floats(0.1, 20.0))
 def test_estimates_scale_with_lengths_and_times(length, duration):
     speed = length / duration
-    scaled = estimators(AZIMUTH, ELEVATION, duration * TIME, length * DEPTH, speed * SOUND_SPEED)
+    scaled = estimators(AZIMUTH, ANGLE, duration * TIME, length * DEPTH, speed * SOUND_SPEED)
     for name, velocity in STILL_WORLD.items():
         np.testing.assert_allclose(scaled[name] / speed, velocity, rtol=1e-6, atol=1e-6, err_msg=name)
 
 
 @settings(max_examples=25, deadline=None)
-@given(azimuth=ANGLES, elevation=st.floats(0.0, 1.5), depth=st.floats(1.0, 5000.0))
-def test_position_and_direction_undo_each_other(azimuth, elevation, depth):
-    x, y = sm.position(azimuth, elevation, depth)
-    assert np.arctan2(np.hypot(x, y), depth) == pytest.approx(elevation, abs=1e-12)
-    if elevation > 1e-6:
+@given(azimuth=ANGLES, angle=st.floats(0.0, 1.5), depth=st.floats(1.0, 5000.0))
+def test_position_and_direction_undo_each_other(azimuth, angle, depth):
+    x, y = sm.position(azimuth, angle, depth)
+    assert np.arctan2(np.hypot(x, y), depth) == pytest.approx(angle, abs=1e-12)
+    if angle > 1e-6:
         assert angle_difference(np.arctan2(y, x), azimuth) == pytest.approx(0, abs=1e-9)
 
 
@@ -433,17 +434,17 @@ def test_any_leading_batch_shape_gives_what_one_recording_gives(points, emitted)
 
 
 def test_unknown_windows_are_left_out_of_every_fit(directions):
-    azimuth, elevation = directions[0][0].copy(), directions[1][0].copy()
+    azimuth, angle = directions[0][0].copy(), directions[1][0].copy()
     gap = np.isin(np.arange(TIME.size), [0, 3, 30, 31, 119])
     azimuth[gap] = np.nan
-    points = sm.position(azimuth, elevation, DEPTH)
+    points = sm.position(azimuth, angle, DEPTH)
     assert np.isnan(points[gap]).all()
     kept = sm.motion_fit(points[~gap], TIME[~gap]).velocity
     np.testing.assert_allclose(sm.motion_fit(points, TIME).velocity[~gap], kept, rtol=1e-8)
     np.testing.assert_allclose(sm.line_fit(points)[0][~gap], sm.line_fit(points[~gap])[0], rtol=1e-8)
     arguments = (DEPTH, SOUND_SPEED)
-    whole = sm.maximum_likelihood_motion(azimuth, elevation, TIME, *arguments, ERROR)
-    part = sm.maximum_likelihood_motion(azimuth[~gap], elevation[~gap], TIME[~gap], *arguments, ERROR[~gap])
+    whole = sm.maximum_likelihood_motion(azimuth, angle, TIME, *arguments, ERROR)
+    part = sm.maximum_likelihood_motion(azimuth[~gap], angle[~gap], TIME[~gap], *arguments, ERROR[~gap])
     np.testing.assert_allclose(whole.velocity[0], part.velocity[0], rtol=1e-8)
     assert np.isfinite(whole.position).all()
 
@@ -478,8 +479,22 @@ def test_two_positions_are_needed():
     assert np.isnan(fitted[:11]).all()
     assert np.isfinite(fitted[11:]).all()
     assert np.isnan(sm.line_fit(points)[0][:11]).all()
-    nothing = sm.motion_fit(np.full((5, 2), np.nan), np.arange(5.0))
-    assert np.isnan(nothing.velocity).all()
+
+
+def test_a_record_without_a_single_position_gives_nothing_and_no_warning():
+    nothing = np.full((5, 2), np.nan)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.isnan(sm.line_fit(nothing)).all()
+        assert np.isnan(sm.orthogonal_line_fit(nothing)[1]).all()
+        assert np.isnan(sm.motion_fit(nothing, np.arange(5.0)).velocity).all()
+
+
+def test_a_span_may_be_any_whole_number_and_positions_a_list(points):
+    whole, read = (sm.motion_fit(points[0], TIME, span=span).velocity for span in (10, 10.0))
+    np.testing.assert_array_equal(read, whole)
+    assert sm.slant_range([[30.0, 40.0]], 120.0) == pytest.approx(130.0)
+    np.testing.assert_allclose(sm.position_precision([0.0, 0.0], 10.0, 0.1), np.eye(2))
 
 
 def test_spans_that_leave_the_record_are_nan():
@@ -525,6 +540,8 @@ LINE = PAPER.motion.position(TIME)
         (lambda: sm.position(0.0, 0.5, 0.0), "depth must be above 0, but 0 was given"),
         (lambda: sm.position(0.0, 0.5, np.nan), "depth must be finite"),
         (lambda: sm.slant_range(LINE, -1.0), "depth must be above 0"),
+        (lambda: sm.slant_range([1.0, 2.0, 3.0], DEPTH), "position must have shape (..., 2"),
+        (lambda: sm.position_precision([1.0], DEPTH, 0.1), "position must have shape (..., 2"),
         (lambda: sm.emission_time(LINE, TIME, DEPTH, 0.0), "sound_speed must be above 0"),
         (lambda: sm.emission_time(LINE, TIME[:-1], DEPTH, SOUND_SPEED), "time must have shape"),
         (lambda: sm.difference_velocity(LINE, 0.0), "window must be above 0"),
@@ -534,18 +551,18 @@ LINE = PAPER.motion.position(TIME)
         (lambda: sm.position_precision(LINE, DEPTH, 0.0), "angle_error must be above 0"),
         (lambda: sm.motion_fit(LINE, TIME[1:]), "time must have shape"),
         (lambda: sm.motion_fit(LINE, TIME, np.eye(3)), "precision must have shape"),
-        (lambda: sm.motion_fit(LINE, TIME, span=1), "span must be a whole number of windows from 2 to 120"),
+        (lambda: sm.motion_fit(LINE, TIME, span=1), "span must be a whole number from 2 to 120, but 1"),
         (lambda: sm.motion_fit(LINE, TIME, span=121), "but 121 was given"),
         (lambda: sm.motion_fit(LINE, TIME, span=2.5), "but 2.5 was given"),
         (lambda: sm.motion_fit(LINE, np.full(120, 3.0)), "time must differ"),
         (lambda: sm.motion_bound(LINE, TIME[1:], DEPTH, 0.1), "time must have shape"),
         (lambda: sm.motion_bound(LINE, TIME, DEPTH, np.inf), "angle_error must be finite"),
         (
-            lambda: sm.maximum_likelihood_motion(AZIMUTH, ELEVATION[1:], TIME, DEPTH, SOUND_SPEED, ERROR),
-            "elevation must have shape",
+            lambda: sm.maximum_likelihood_motion(AZIMUTH, ANGLE[1:], TIME, DEPTH, SOUND_SPEED, ERROR),
+            "angle_from_vertical must have shape",
         ),
         (
-            lambda: sm.maximum_likelihood_motion(AZIMUTH, ELEVATION, TIME, DEPTH, SOUND_SPEED, -ERROR),
+            lambda: sm.maximum_likelihood_motion(AZIMUTH, ANGLE, TIME, DEPTH, SOUND_SPEED, -ERROR),
             "angle_error must be above 0",
         ),
         (lambda: sm.along_and_across([1.0, 2.0, 3.0], 0.0), "vector must have shape"),

@@ -10,10 +10,9 @@ from labsim.surface_motion import emission_time, line_fit, motion_bound, positio
 from labsim.vector_sensor import (
     PassingVessel,
     direction_of_arrival,
+    expected_error,
     geometry,
-    intensity_error,
     sample_intensity,
-    snr,
     window_centres,
 )
 
@@ -93,9 +92,9 @@ def your_fit(fit, trials=300):
 
 
 def _fit_of(vessel, fit, trials):
-    time, heard, error = _scene(vessel)
+    heard, error = _scene(vessel)
     points = _listen(vessel, np.random.default_rng(303), trials)
-    velocity = fit(points, emission_time(points, time, vessel.sensor_depth, vessel.sound_speed))
+    velocity = fit(points, emission_time(points, heard.time, vessel.sensor_depth, vessel.sound_speed))
     if velocity is ... or velocity is None:
         return NOT_ANSWERED
     velocity = np.asarray(velocity, dtype=float)
@@ -105,7 +104,7 @@ def _fit_of(vessel, fit, trials):
             f"the velocity must have shape {(trials, 2)}, one for each record, not {velocity.shape}",
         )
     measured = rmse(np.linalg.norm(velocity - vessel.motion.velocity(0.0), axis=-1))
-    bound = _bound(vessel, heard, time, error)[-1]
+    bound = _bound(vessel, heard, error)[-1]
     ship = f"a vessel of {vessel.speed:g} m/s, course {np.degrees(vessel.heading):.0f}°"
     if measured <= SHARE * bound:
         return Feedback("right", f"{measured:.3f} m/s for {ship}, where the bound is {bound:.3f} m/s")
@@ -123,14 +122,14 @@ def _course_error(trials):
 
 def _span_error(seconds):
     vessel = replace(PassingVessel(), snr_db=8.0)
-    time, heard, error = _scene(vessel)
-    bound = _bound(vessel, heard, time, error, span=round(seconds / vessel.window), centred=True)
-    return bound[np.argmin(np.abs(time - 20.25))]
+    heard, error = _scene(vessel)
+    bound = _bound(vessel, heard, error, span=round(seconds / vessel.window), centred=True)
+    return bound[np.argmin(np.abs(heard.time - 20.25))]
 
 
 def _scene(vessel):
     time = window_centres(vessel)
-    return time, geometry(vessel, time), intensity_error(snr(vessel, time), vessel.time_bandwidth)
+    return geometry(vessel, time), expected_error(vessel, time)
 
 
 def _listen(vessel, rng, trials):
@@ -138,9 +137,8 @@ def _listen(vessel, rng, trials):
     return position(azimuth, angle, vessel.sensor_depth)
 
 
-def _bound(vessel, heard, time, error, **span):
-    emitted = time - heard.slant_range / vessel.sound_speed
-    return motion_bound(heard.position, emitted, vessel.sensor_depth, error, **span)[1]
+def _bound(vessel, heard, error, **span):
+    return motion_bound(heard.position, heard.emitted, vessel.sensor_depth, error, **span)[1]
 
 
 def _finite(answer):

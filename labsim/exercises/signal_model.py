@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from labsim.checks import check_number
+from labsim.noise import decibels
 from labsim.vector_sensor import PassingVessel, closest_approach, geometry, snr
 
 
@@ -30,9 +31,9 @@ def times_farther(answer):
 
 def peak_at_twice_the_range(answer):
     """Change of the peak of the SNR curve, dB, when closest slant range and speed both double."""
-    expected = -20 * np.log10(2)
+    expected = decibels(1 / 2**2)
     mistakes = [
-        (-10 * np.log10(2), "pressure falls as 1/r, so power falls as 1/r²"),
+        (decibels(1 / 2), "pressure falls as 1/r, so power falls as 1/r²"),
         (-expected, "farther away is fainter: mind the sign"),
     ]
     return check_number(answer, expected, 0.03, "the peak is as 1/h²; speed has no part in it", mistakes)
@@ -49,7 +50,7 @@ def width_at_twice_range_and_speed(answer):
 
 def level_span_db(vessel):
     """How far the SNR falls from the closest approach to the end of the record, dB."""
-    return float(vessel.snr_db - 10 * np.log10(snr(vessel, vessel.duration)))
+    return float(vessel.snr_db - decibels(snr(vessel, vessel.duration)))
 
 
 def depth_for_span(answer, span_db=6.0):
@@ -69,7 +70,7 @@ def speed_for_one_degree(answer):
     vessel = PassingVessel()
     closest = closest_approach(vessel)
     horizontal = np.linalg.norm(closest.position)
-    delay = closest.slant_range / vessel.sound_speed
+    delay = closest.time - closest.emitted
     mistakes = [
         (
             np.radians(1) * vessel.sound_speed,
