@@ -371,11 +371,6 @@ def converted_measurements(scenario, scan):
     return locate(scan.bearing, scan.delay, *scenario.geometry), covariance, clutter_density(scenario) / area
 
 
-def difference_velocity(position, period):
-    """Velocity as the difference of positions (Ma et al. 2023, eq. 10), (..., scans - 1, 2), m/s."""
-    return np.diff(position, axis=-2) / require_positive("period", period)
-
-
 def _clutter(rng, scenario, shape):
     count = rng.poisson(scenario.clutter_rate, shape)
     present = np.arange(count.max(initial=0)) < count[..., None]

@@ -334,14 +334,6 @@ def test_the_region_has_the_area_that_its_clutter_fills():
     assert bs.region_area(SCENE) == pytest.approx(146.7e6, rel=1e-3)
 
 
-def test_difference_velocity_is_dominated_by_noise():
-    # two positions with 50 m error each along one axis, 20 s apart: sqrt(2) 50 / 20 m/s
-    rng = np.random.default_rng(10)
-    position = 50 * rng.standard_normal((20_000, 2, 2))
-    velocity = bs.difference_velocity(position, 20.0)[:, 0]
-    assert velocity.std() == pytest.approx(np.sqrt(2) * 50 / 20, rel=0.02)
-
-
 def test_empty_scans_give_empty_measurements():
     quiet = replace(SCENE, clutter_rate=0.0, detection_probability=0.0)
     scan = bs.simulate_detections(np.random.default_rng(1), quiet).scan(3)

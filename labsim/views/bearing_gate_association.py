@@ -124,23 +124,30 @@ class SceneView:
     def __init__(self):
         self.figure = style.figure(9.2, 4.0)
         self.map, self.record = self.figure.subplots(1, 2, width_ratios=(1, 1))
-        self.map.set(xlabel="east (km)", ylabel="north (km)", aspect="equal")
+        self.tracks, self.starts, self.bearings = [], [], []
+        for name, (colour, line, marker) in zip(SOURCE_NAMES, style.LINES, strict=False):
+            self.tracks += self.map.plot([], [], color=colour, linestyle=line, label=name)
+            self.starts += self.map.plot([], [], marker, color=colour)
+            self.bearings += self.record.plot([], [], marker, color=colour, markersize=3, label=name)
+        (self.own,) = self.map.plot([], [], color=style.BLACK, label="own vessel")
+        (self.own_start,) = self.map.plot([], [], "^", color=style.BLACK)
+        self.map.set(xlim=(-1, 16), ylim=(-8.5, 5.5), aspect="equal")
+        self.map.set(xlabel="east (km)", ylabel="north (km)")
         self.map.set_title("Two torpedoes come, two boats leave")
-        self.record.set(xlabel="time (s)", ylabel="bearing at array 1 (°)")
+        self.map.legend(fontsize=8, loc="lower left")
+        self.record.set(xlim=(-18, 378), ylim=(10, 165), xlabel="time (s)", ylabel="bearing at array 1 (°)")
         self.record.set_title("Four bearings, three degrees of noise")
+        self.record.legend(fontsize=8, markerscale=2, loc="lower left")
+        style.animate(*self.tracks, *self.starts, *self.bearings, self.own, self.own_start)
 
     def draw(self, result):
         """Draw tracks and bearings; return the sentence."""
-        for number, (name, (colour, line, marker)) in enumerate(zip(SOURCE_NAMES, style.LINES, strict=False)):
-            east, north = result["tracks"][number].T / FAR
-            self.map.plot(east, north, color=colour, linestyle=line, label=name)
-            self.map.plot(east[0], north[0], marker, color=colour)
-            bearing = np.degrees(result["bearing"][:, number])
-            self.record.plot(result["time"], bearing, marker, color=colour, markersize=3, label=name)
-        self.map.plot(*result["own"].T / FAR, color=style.BLACK, label="own vessel")
-        self.map.plot(*result["own"][0] / FAR, "^", color=style.BLACK)
-        self.map.legend(fontsize=8, loc="lower left")
-        self.record.legend(fontsize=8, markerscale=2, loc="lower left")
+        tracks, starts = [*self.tracks, self.own], [*self.starts, self.own_start]
+        for track, start, places in zip(tracks, starts, [*result["tracks"], result["own"]], strict=True):
+            track.set_data(*places.T / FAR)
+            start.set_data(*places[:1].T / FAR)
+        for line, bearing in zip(self.bearings, np.degrees(result["bearing"]).T, strict=True):
+            line.set_data(result["time"], bearing)
         low, high = np.degrees([np.nanmin(result["bearing"]), np.nanmax(result["bearing"])])
         return (
             f"For {result['time'][-1]:.0f} s array 1 reports four noisy bearings between {low:.0f}° and "
@@ -203,37 +210,40 @@ class TwoGatesView:
     def __init__(self):
         self.figure = style.figure(9.2, 6.4)
         self.axes = self.figure.subplots(2, 1, sharex=True)
-        for axes in self.axes:
-            axes.set(xlim=(-4, 364), ylim=(-20, 170), ylabel="bearing at array 2 (°)")
+        self.lines = [self._lines(axes) for axes in self.axes]
+        self.titles = [axes.set_title(" ") for axes in self.axes]
         self.axes[1].set_xlabel("time (s)")
+        self.axes[0].legend(loc="lower left", ncols=3, fontsize=8)
+        style.animate(*self.titles, *(line for lines in self.lines for line in lines))
+
+    @staticmethod
+    def _lines(axes):
+        """The empty lines of one panel: boats, gate and bearings of either torpedo, bearings outside."""
+        lines = axes.plot([], [], ".", color=style.GREY, markersize=3, label="boats")
+        for name, (colour, line, marker) in zip(SOURCE_NAMES[:2], style.LINES, strict=False):
+            lines += axes.plot([], [], color=colour, linestyle=line, linewidth=1, label=f"gate of {name}")
+            lines += axes.plot([], [], marker, color=colour, markersize=3, label=name)
+        lines += axes.plot([], [], "x", color=style.BLACK, markersize=6, label="outside its gate")
+        axes.set(xlim=(-4, 364), ylim=(-20, 170), ylabel="bearing at array 2 (°)")
+        return lines
 
     def draw(self, result):
         """Draw the gates; return the sentence."""
-        time, second = result["time"], np.degrees(result["second"])
-        said = []
-        for axes, (kind, gate) in zip(self.axes, result["gates"].items(), strict=True):
-            axes.plot(time, second[:, 2:], ".", color=style.GREY, markersize=3, label="boats")
-            inside = []
-            for torpedo, (colour, line, marker) in zip((0, 1), style.LINES, strict=False):
-                lower, upper, own = (
-                    np.degrees(gate[0])[:, torpedo],
-                    np.degrees(gate[1])[:, torpedo],
-                    second[:, torpedo],
-                )
-                name = SOURCE_NAMES[torpedo]
-                axes.plot(time, lower, color=colour, linestyle=line, linewidth=1)
-                axes.plot(time, upper, color=colour, linestyle=line, linewidth=1, label=f"gate of {name}")
-                axes.plot(time, own, marker, color=colour, markersize=3, label=name)
-                lost = (own < lower) | (own > upper)
-                axes.plot(
-                    time[lost], own[lost], "x", color=style.BLACK, markersize=6, label="outside its gate"
-                )
-                inside.append(1 - lost[time >= 200].mean())
-            shares = f"{inside[0]:.0%} and {inside[1]:.0%}"
-            axes.set_title(f"{kind.capitalize()}: after 200 s the gates hold {shares} of their bearings")
+        time, second, said = result["time"], np.degrees(result["second"]), []
+        for lines, title, (kind, gate) in zip(self.lines, self.titles, result["gates"].items(), strict=True):
+            boats, *torpedoes, outside = lines
+            boats.set_data(np.repeat(time, 2), second[:, 2:].ravel())
+            lower, upper = np.degrees(gate)[..., :2]
+            lost = (second[:, :2] < lower) | (second[:, :2] > upper)
+            for k in (0, 1):
+                edges = np.concatenate([lower[:, k], [np.nan], upper[:, k]])
+                torpedoes[2 * k].set_data(np.concatenate([time, [np.nan], time]), edges)
+                torpedoes[2 * k + 1].set_data(time, second[:, k])
+            outside.set_data(np.repeat(time, 2)[lost.ravel()], second[:, :2][lost])
+            first, other = 1 - lost[time >= 200].mean(axis=0)
+            shares = f"{first:.0%} and {other:.0%}"
+            title.set_text(f"{kind.capitalize()}: after 200 s the gates hold {shares} of their bearings")
             said.append(f"{shares} with the gate from {kind}")
-        handles = dict(zip(*self.axes[0].get_legend_handles_labels()[::-1], strict=True))
-        self.axes[0].legend(handles.values(), handles.keys(), loc="lower left", ncols=3, fontsize=8)
         return f"Own bearings of torpedo 1 and torpedo 2 inside their gates after 200 s: {'; '.join(said)}."
 
 

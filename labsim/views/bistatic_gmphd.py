@@ -19,56 +19,63 @@ class GeometryView:
     def __init__(self):
         self.figure = style.figure(7.0, 3.9)
         self.axes = self.figure.subplots()
+        (self.baseline,) = self.axes.plot([], [], color=style.GREY, linestyle=":", label="baseline D")
+        (self.ping,) = self.axes.plot([], [], color=style.ORANGE, linestyle="--", label="ping")
+        (self.echo,) = self.axes.plot([], [], color=style.BLUE, linestyle="-", label="echo")
+        (self.ends,) = self.axes.plot([], [], "^", color=style.BLACK, markersize=8)
+        (self.target,) = self.axes.plot([], [], "o", color=style.GREEN, markersize=8)
+        look = dict(arrowstyle="->", color=style.BLACK, linewidth=1.5)
+        self.arrow = self.axes.annotate("", (1, 1), (0, 0), arrowprops=look)
+        self.names = [
+            self.axes.annotate(name, (0, 0), shift, textcoords="offset points", ha="center", fontsize=9)
+            for name, shift in (
+                ("receiver $Z_R$", (0, -15)),
+                ("source $Z_S$", (0, -15)),
+                ("target $Z$", (-6, 10)),
+                ("velocity $v$", (18, 4)),
+            )
+        ]
+        self.arcs, self.angles = [], []
+        for name in (r"$\alpha$", r"$\varphi_R$", r"$\varphi_S$"):
+            self.arcs += self.axes.plot([], [], color=style.BLACK, linestyle="-", linewidth=1)
+            self.angles.append(self.axes.text(0, 0, name, ha="center", va="center"))
         self.axes.set(xlabel="x (km)", ylabel="y (km)", xlim=(-3.2, 5), ylim=(-0.6, 5.4), aspect="equal")
+        self.axes.legend(loc="upper right", fontsize=8)
+        self.title = self.axes.set_title(" ")
+        style.animate(self.baseline, self.ping, self.echo, self.ends, self.target, self.arrow, self.title)
+        style.animate(*self.names, *self.arcs, *self.angles)
 
     def draw(self, result):
         """Draw the triangle; return the sentence."""
         receiver, source, target = (np.divide(result[name], FAR) for name in ("receiver", "source", "target"))
-        axes, course = self.axes, np.arctan2(*result["velocity"][::-1])
-        axes.plot(*np.transpose([receiver, source]), color=style.GREY, linestyle=":", label="baseline D")
-        axes.plot(*np.transpose([source, target]), color=style.ORANGE, linestyle="--", label="ping")
-        axes.plot(*np.transpose([target, receiver]), color=style.BLUE, linestyle="-", label="echo")
-        axes.plot(*np.transpose([receiver, source]), "^", color=style.BLACK, markersize=8)
-        axes.plot(*target, "o", color=style.GREEN, markersize=8)
-        arrow = dict(arrowstyle="->", color=style.BLACK, linewidth=1.5)
-        axes.annotate("", target + 1.7 * np.array([np.cos(course), np.sin(course)]), target, arrowprops=arrow)
-        for place, text, shift in (
-            (receiver, "receiver $Z_R$", (0, -15)), (source, "source $Z_S$", (0, -15)),
-            (target, "target $Z$", (-6, 10)),
-            (target + 1.7 * np.array([np.cos(course), np.sin(course)]), "velocity $v$", (18, 4)),
-        ):  # fmt: skip
-            axes.annotate(text, place, shift, textcoords="offset points", ha="center", fontsize=9)
-        ways = [np.arctan2(*(end - target)[::-1]) for end in (receiver, source)]
-        arcs = (
-            (receiver, 0.0, result["bearing"], 0.6, r"$\alpha$"),
-            (target, ways[0], course, 1.3, r"$\varphi_R$"),
-            (target, ways[1], course, 0.55, r"$\varphi_S$"),
-        )
-        for centre, begin, end, radius, name in arcs:
-            angle = np.linspace(begin, end, 40)
-            axes.plot(
-                *(centre[:, None] + radius * np.stack([np.cos(angle), np.sin(angle)])),
-                color=style.BLACK,
-                linestyle="-",
-                linewidth=1,
-            )
-            middle = angle[20 if name != r"$\varphi_R$" else 8]
-            axes.annotate(
-                name,
-                centre + (radius + 0.25) * np.array([np.cos(middle), np.sin(middle)]),
-                ha="center",
-                va="center",
-            )
-        axes.legend(loc="upper right", fontsize=8)
-        axes.set_title(
-            f"The echo arrives after {result['delay']:.1f} s, from {np.degrees(result['bearing']):.0f}°"
-        )
+        course = np.arctan2(*result["velocity"][::-1])
+        tip = target + 1.7 * _direction(course)
+        self.baseline.set_data(*np.transpose([receiver, source]))
+        self.ping.set_data(*np.transpose([source, target]))
+        self.echo.set_data(*np.transpose([target, receiver]))
+        self.ends.set_data(*np.transpose([receiver, source]))
+        self.target.set_data(*target[:, None])
+        self.arrow.xy, self.arrow.xyann = tip, target
+        for name, place in zip(self.names, (receiver, source, target, tip), strict=True):
+            name.xy = place
+        to_receiver, to_source = (np.arctan2(*(end - target)[::-1]) for end in (receiver, source))
+        self._draw_angle(0, receiver, (0.0, result["bearing"]), 0.6, 0.5)
+        self._draw_angle(1, target, (to_receiver, course), 1.3, 0.2)
+        self._draw_angle(2, target, (to_source, course), 0.55, 0.5)
+        bearing_deg = np.degrees(result["bearing"])
+        self.title.set_text(f"The echo arrives after {result['delay']:.1f} s, from {bearing_deg:.0f}°")
         angles = np.degrees([result["to_receiver"], result["to_source"]])
         return (
             f"Ping to target to receiver takes {result['delay']:.1f} s, and the echo comes from a bearing of "
-            f"{np.degrees(result['bearing']):.0f}°; the target's velocity makes {angles[0]:.0f}° with the "
+            f"{bearing_deg:.0f}°; the target's velocity makes {angles[0]:.0f}° with the "
             f"direction to the receiver and {angles[1]:.0f}° with that to the source."
         )
+
+    def _draw_angle(self, number, centre, ends, radius, place):
+        """An arc between two directions, radians, its name at the fraction `place` of it."""
+        self.arcs[number].set_data(*centre[:, None] + radius * _direction(np.linspace(*ends, 40)))
+        middle = ends[0] + place * (ends[1] - ends[0])
+        self.angles[number].set_position(centre + (radius + 0.25) * _direction(middle))
 
 
 class EllipseView:
@@ -106,9 +113,9 @@ class EllipseView:
         target = result["target"]
         reach = RADIUS_95 * np.sqrt(np.linalg.eigvalsh(result["covariance"])[-1]) / FAR
         self._show_up_to(next((edge for edge in (1.0, 2.0) if edge > 1.3 * reach), 4.0))
-        direction = np.array([np.cos(result["bearing"]), np.sin(result["bearing"])])
+        far = result["receiver"] + 3e4 * _direction(result["bearing"])
         self.ellipse.set_data(*result["ellipse"].T / FAR)
-        self.ray.set_data(*np.transpose([result["receiver"], result["receiver"] + 3e4 * direction]) / FAR)
+        self.ray.set_data(*np.transpose([result["receiver"], far]) / FAR)
         self.ends.set_data(*np.transpose([result["receiver"], result["source"]]) / FAR)
         self.target.set_data(*target[:, None] / FAR)
         self.cloud.set_data(*(result["found"] - target).T / FAR)
@@ -137,25 +144,37 @@ class LoudnessView:
     def __init__(self):
         self.figure = style.figure(9.2, 4.0)
         self.map, self.level = self.figure.subplots(1, 2)
-        self.map.set(xlabel="x (km)", ylabel="y (km)", aspect="equal", title="Four targets come and go")
-        self.level.set(
-            xlabel="scan", ylabel="SNR of the echo (dB)", title="The same boat whispers and shouts"
-        )
+        self.tracks, self.births, self.levels = [], [], []
+        for number, (colour, line, marker) in enumerate(style.LINES[:4], 1):
+            self.tracks += self.map.plot([], [], color=colour, linestyle=line, label=f"target {number}")
+            self.births += self.map.plot([], [], marker, color=colour)
+            self.levels += self.level.plot([], [], color=colour, linestyle=line)
+        (self.ends,) = self.map.plot([], [], "^", color=style.BLACK, markersize=8)
+        self.names = [
+            self.map.annotate(name, (0, 0), (0, 7), textcoords="offset points", ha="center")
+            for name in ("receiver", "source")
+        ]
+        self.map.set(xlim=(-6.5, 6.7), ylim=(-0.5, 9), aspect="equal", xlabel="x (km)", ylabel="y (km)")
+        self.map.set_title("Four targets come and go")
+        self.map.legend(fontsize=8, loc="lower left")
+        self.level.set(xlim=(-5, 104), ylim=(-1.25, 26.25), xlabel="scan", ylabel="SNR of the echo (dB)")
+        self.level.set_title("The same boat whispers and shouts")
+        style.animate(*self.tracks, *self.births, *self.levels, self.ends, *self.names)
 
     def draw(self, result):
         """Draw tracks and levels; return the sentence."""
-        scans = np.arange(len(result["states"]))
-        for number, (colour, line, marker) in zip(range(4), style.LINES, strict=False):
+        for number, (track, birth, level) in enumerate(
+            zip(self.tracks, self.births, self.levels, strict=True)
+        ):
             x, _, y, _ = result["states"][:, number].T / FAR
-            first = np.flatnonzero(np.isfinite(x))[0]
-            self.map.plot(x, y, color=colour, linestyle=line, label=f"target {number + 1}")
-            self.map.plot(x[first], y[first], marker, color=colour)
-            self.level.plot(scans, result["snr_db"][:, number], color=colour, linestyle=line)
-        for name, place in (("receiver", result["receiver"]), ("source", result["source"])):
-            self.map.plot(*np.divide(place, FAR), "^", color=style.BLACK, markersize=8)
-            self.map.annotate(name, np.divide(place, FAR), (0, 7), textcoords="offset points", ha="center")
-        self.map.set_ylim(-0.5, 9)
-        self.map.legend(fontsize=8, loc="lower left")
+            track.set_data(x, y)
+            first = np.flatnonzero(np.isfinite(x))[:1]
+            birth.set_data(x[first], y[first])
+            level.set_data(np.arange(len(x)), result["snr_db"][:, number])
+        ends = np.divide([result["receiver"], result["source"]], FAR)
+        self.ends.set_data(*ends.T)
+        for name, place in zip(self.names, ends, strict=True):
+            name.xy = place
         low, high = np.nanmin(result["snr_db"]), np.nanmax(result["snr_db"])
         return f"Echoes of the four targets range from {low:.0f} to {high:.0f} dB as range and aspect change."
 
@@ -196,18 +215,20 @@ class StepView:
     """The mixture at one stage of a step: close up around one target, and the weights of all components.
 
     Draws a dict with mean (J, 2), covariance (J, 2, 2), weight (J,), measured (M, 2), centre (2,), m; stage;
-    number, the true number of targets; below and above, the thresholds of pruning and reporting.
+    number, the true number of targets. The thresholds do not change: the weight above which a component is
+    reported, and that below which it is pruned, are given once.
     """
 
-    CLASSES = (("weight > 0.5", 0.5, np.inf), ("0.01 to 0.5", 0.01, 0.5), ("below 0.01", 0.0, 0.01))
-
-    def __init__(self):
+    def __init__(self, above, below):
+        self.above, light = above, above / 50
+        self.classes = ((above, np.inf), (light, above), (0.0, light))
+        names = (f"weight > {above:g}", f"{light:g} to {above:g}", f"below {light:g}")
         self.figure = style.figure(9.2, 4.5)
         self.map, self.stems = self.figure.subplots(1, 2)
         looks = ((style.BLUE, "-", 2.2), (style.ORANGE, "--", 1.4), (style.GREY, ":", 1.0))
         self.outlines = [
             self.map.plot([], [], color=colour, linestyle=line, linewidth=width, label=name)[0]
-            for (name, _, _), (colour, line, width) in zip(self.CLASSES, looks, strict=True)
+            for name, (colour, line, width) in zip(names, looks, strict=True)
         ]
         (self.measured,) = self.map.plot([], [], "+", color=style.GREEN, markersize=12, label="detection")
         self.map.plot(0, 0, "*", color=style.BLACK, markersize=11, label="true place")
@@ -215,8 +236,8 @@ class StepView:
         self.map.set(xlabel="x from the true place (km)", ylabel="y from the true place (km)")
         self.map.legend(loc="upper left", fontsize=8)
         (self.weights,) = self.stems.plot([], [], "o", color=style.BLUE, markersize=4, label="component")
-        self.stems.axhline(0.5, color=style.BLACK, linestyle="--", label="reported above")
-        self.stems.axhline(1e-5, color=style.PINK, linestyle=":", label="pruned below")
+        self.stems.axhline(above, color=style.BLACK, linestyle="--", label="reported above")
+        self.stems.axhline(below, color=style.PINK, linestyle=":", label="pruned below")
         self.stems.set(yscale="log", xlim=(-1, 61), ylim=(1e-11, 5))
         self.stems.set_xlabel("component, heaviest first")
         self.stems.set_ylabel("weight (expected targets)")
@@ -228,18 +249,18 @@ class StepView:
         """Draw one stage; return the sentence."""
         weight, offset = result["weight"], result["mean"] - result["centre"]
         near = np.all(np.abs(offset) < 4_000, axis=1)
-        for (_, low, high), outline in zip(self.CLASSES, self.outlines, strict=True):
+        for (low, high), outline in zip(self.classes, self.outlines, strict=True):
             chosen = near & (weight > low) & (weight <= high)
             outline.set_data(*_outlines(offset[chosen], result["covariance"][chosen], 2.0) / FAR)
         self.measured.set_data(*(result["measured"] - result["centre"]).T / FAR)
         self.weights.set_data(np.arange(weight.size), np.sort(weight)[::-1])
-        total, heavy = weight.sum(), np.count_nonzero(weight > 0.5)
+        total, heavy = weight.sum(), np.count_nonzero(weight > self.above)
         self.map_title.set_text(f"{result['stage'].capitalize()}: 2σ outlines")
         self.stem_title.set_text(f"{weight.size} components, total weight {total:.2f}")
         moment = "Before the step" if result["stage"] == "before" else f"After '{result['stage']}'"
         return (
             f"{moment} the mixture has {weight.size} components of total weight "
-            f"{total:.2f}, {heavy} of them above one half; {result['number']} targets are there."
+            f"{total:.2f}, {heavy} of them above {self.above:g}; {result['number']} targets are there."
         )
 
 
@@ -354,6 +375,10 @@ class CostView:
             f"On the machine that drew this, with {result['components'][-1]} components, the most expensive "
             f"part was {largest}, with {1e3 * result['times'][largest][-1]:.1f} ms of CPU time."
         )
+
+
+def _direction(angle):
+    return np.array([np.cos(angle), np.sin(angle)])
 
 
 def _outlines(centre, covariance, radius):

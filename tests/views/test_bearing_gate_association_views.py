@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from labsim.bearing_gate import FALSE_ALARM, NOTHING
 from labsim.views import bearing_gate_association as views
 
 TIME = np.arange(0.0, 361.0, 3.0)
@@ -37,8 +38,8 @@ def pairs(partner=(0, 1, 2)):
     bearings = np.radians([90.0, 100.0, np.nan])
     return dict(
         first=bearings, second=np.radians([88.0, 99.0, 150.0]), lower=bearings - 0.1, upper=bearings + 0.1,
-        first_source=np.array([0, 1, -2]), second_source=np.array([0, 1, -1]), partner=np.array(partner),
-        rates={"correct": 1.0 if partner[0] == 0 else 0.0},
+        first_source=np.array([0, 1, NOTHING]), second_source=np.array([0, 1, FALSE_ALARM]),
+        partner=np.array(partner), rates={"correct": 1.0 if partner[0] == 0 else 0.0},
     )  # fmt: skip
 
 

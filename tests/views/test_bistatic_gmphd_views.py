@@ -41,10 +41,10 @@ def scene(distance=100.0, name="PHD, textbook"):
         (views.EllipseView(), located(), located(0.5, 0.09), ("(0.0, 8.0) km", "holds 94%")),
         (views.EchoesView(), echoes(), echoes(3, 1), ("25 detections", "4 are echoes", "21 are clutter")),
         (
-            views.StepView(),
+            views.StepView(0.5, 1e-5),
             stage(),
             stage((), "before"),
-            ("4 components", "2.10", "2 of them above one half"),
+            ("4 components", "2.10", "2 of them above 0.5"),
         ),
         (views.SceneView(STATES), scene(), scene(50.0, "tracker"), ("OSPA 100 m", "wrong in 25%")),
     ],
@@ -79,7 +79,15 @@ def test_geometry_says_its_angles_in_degrees():
 
 
 def test_the_stage_before_the_step_is_not_called_a_stage_after_it():
-    assert views.StepView().draw(stage(name="before")).startswith("Before the step the mixture has 4")
+    said = views.StepView(0.5, 1e-5).draw(stage(name="before"))
+    assert said.startswith("Before the step the mixture has 4")
+
+
+def test_the_picture_of_a_step_follows_the_thresholds_of_the_model():
+    view = views.StepView(0.15, 1e-3)
+    assert "3 of them above 0.15" in view.draw(stage())
+    heights = {line.get_label(): line.get_ydata()[0] for line in view.stems.get_lines()[1:]}
+    assert heights == {"reported above": 0.15, "pruned below": 1e-3}
 
 
 def test_outlines_have_the_size_of_the_covariance():
