@@ -14,7 +14,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LIMIT = 600  # seconds for one module's tests
-MORE_TESTS = {"metrics": ["test_multitarget_metrics.py"]}
 
 MUTANTS = {
     "arguments": [
@@ -217,10 +216,9 @@ def check_module(copy, module):
 
 def failed(copy, module):
     """The end of pytest's report where a module's tests fail on the copy, or an empty text."""
-    names = [f"test_{module}.py", f"test_more_{module}.py", *MORE_TESTS.get(module, [])]
-    files = [str(path) for name in names if (path := copy / "tests" / name).exists()]
     environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-o", "addopts=", "-p", "no:cacheprovider", *files]
+    tests = str(copy / "tests" / f"test_{module}.py")
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-o", "addopts=", "-p", "no:cacheprovider", tests]
     try:
         done = subprocess.run(
             command, cwd=copy, env=environment, capture_output=True, text=True, timeout=LIMIT
