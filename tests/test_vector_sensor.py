@@ -124,6 +124,12 @@ def test_closest_approach_as_heard_comes_later_by_the_travel_time():
     assert closest.time == pytest.approx(19.07 + 173.59 / 1500, abs=0.005)
 
 
+@pytest.mark.parametrize("shift", np.linspace(0.0, 0.7, 8))
+def test_closest_approach_is_square_to_the_course_wherever_it_falls_between_grid_points(shift):
+    closest = closest_approach(PassingVessel(start=(-250.0 + shift, 100.0), heading=0.0))
+    assert closest.position[0] == pytest.approx(0, abs=1e-4)
+
+
 def test_closest_approach_of_a_turning_vessel_is_its_nearest_point():
     vessel = PassingVessel(track=turning_track())
     assert closest_approach(vessel).slant_range == pytest.approx(
