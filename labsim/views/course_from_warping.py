@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
+from labsim.metrics import angle_difference
 from labsim.views import style
 
 NAMES = {
@@ -119,7 +120,7 @@ class WarpView:
     PAIRS = ("2-3", "3-4", "2-4", "1-4")
 
     def __init__(self):
-        self.figure = style.figure(9, 5.2)
+        self.figure = style.figure(9, 4.6)
         grid = self.figure.add_gridspec(2, 2, height_ratios=(2, 3))
         self.before, self.after = self.figure.add_subplot(grid[0, 0]), self.figure.add_subplot(grid[0, 1])
         self.pulses = self.figure.add_subplot(grid[1, :])
@@ -169,35 +170,43 @@ class WarpView:
 class PassagesView:
     """Dong et al. 2020, figures 3, 5 and 6: where the vessels sail, and how fast.
 
-    Draws a dict with `time` (k,) s and, for each name in `vessels`, (`position` (k, 2) m, `speed` (k,) m/s).
+    Draws a dict with `time` (k,) s and, for each of the two in `vessels`, (`position` (k, 2) m, `speed` (k,)
+    m/s).
     """
+
+    VESSELS = {"uniform": ("-", style.BLUE, 4.5, 0.55), "accelerating": ("--", style.ORANGE, 1.8, 1.0)}
 
     def __init__(self):
         self.figure = style.figure(9, 3.9)
         self.map, self.curve = self.figure.subplots(1, 2, width_ratios=(3, 2))
         self.map.plot(0, 0, "^", color=style.BLACK, markersize=10, label="array")
+        self.paths, self.ends, self.sights, self.speeds = {}, {}, {}, {}
+        for name, (line, colour, width, alpha) in self.VESSELS.items():
+            look = {"color": colour, "linestyle": line, "linewidth": width, "alpha": alpha, "label": name}
+            (self.paths[name],) = self.map.plot([], [], **look)
+            (self.ends[name],) = self.map.plot([], [], "o", color=colour)
+            (self.sights[name],) = self.map.plot([], [], color=colour, linestyle=":", linewidth=1)
+            (self.speeds[name],) = self.curve.plot([], [], **look)
+        (self.first,) = self.map.plot([], [], color=style.GREY, linestyle=":", linewidth=1)
         self.map.set(xlabel="x (km)", ylabel="y (km)", xlim=(-6, 7), ylim=(-0.8, 10.5), aspect="equal")
         self.map.set_title("Figures 3 and 5: the same course ...")
+        self.map.legend(loc="lower left")
         self.curve.set(xlabel="time (min)", ylabel="speed (m/s)", xlim=(0, 20), ylim=(0, 12))
         self.curve.set_title("Figure 6: ... at two speeds")
+        self.curve.legend(loc="upper left")
 
     def draw(self, result):
         """Draw both vessels; return the sentence."""
-        parts, look = [], (("-", style.BLUE, 4.5, 0.55), ("--", style.ORANGE, 1.8, 1.0))
-        for (name, (position, speed)), (line, colour, width, alpha) in zip(
-            result["vessels"].items(), look, strict=True
-        ):
+        parts = []
+        for name, (position, speed) in result["vessels"].items():
             x, y = position.T / 1e3
-            drawn = {"color": colour, "linestyle": line, "linewidth": width, "alpha": alpha, "label": name}
-            self.map.plot(x, y, **drawn)
-            self.map.plot(x[-1], y[-1], "o", color=colour)
-            self.map.plot([0, x[-1]], [0, y[-1]], color=colour, linestyle=":", linewidth=1)
-            self.curve.plot(result["time"] / 60, speed, **drawn)
+            self.paths[name].set_data(x, y)
+            self.ends[name].set_data(x[-1:], y[-1:])
+            self.sights[name].set_data([0, x[-1]], [0, y[-1]])
+            self.speeds[name].set_data(result["time"] / 60, speed)
             first, last = np.degrees(np.arctan2(y[[0, -1]], x[[0, -1]]))
             parts.append(f"the {name} one from {first:.0f}° to {last:.0f}°")
-        self.map.plot([0, x[0]], [0, y[0]], color=style.GREY, linestyle=":", linewidth=1)
-        self.map.legend(loc="lower left")
-        self.curve.legend(loc="upper left")
+        self.first.set_data([0, x[0]], [0, y[0]])
         return f"Seen from the array two vessels sail, {' and '.join(parts)}."
 
 
@@ -259,7 +268,8 @@ class SceneView:
             course = result["courses_deg"][name] % 360
             inside = (course > self.COURSES[0]) & (course < self.COURSES[1])
             line.set_data(time, np.where(inside, course, np.nan))
-            final[name] = _signed((course[-1] - result["true_course_deg"] + 180) % 360 - 180)
+            ends = np.radians([course[-1], result["true_course_deg"]])
+            final[name] = _signed(np.degrees(angle_difference(*ends)))
         off = f"{100 * result['ratio_error']:.1f} %"
         titles = (
             "the bearing turns",
@@ -321,36 +331,39 @@ class ErrorsView:
 class SweepView:
     """Dong et al. 2020, figures 8-13: RMSE at 20 minutes and mean bearing rate against one property.
 
-    Draws a dict from a label with unit to (values (n,), rmse_deg by estimator (n,), rate (n,) deg/min).
+    Draws a dict that has for each of `SWEEPS` (values (n,), rmse_deg by estimator (n,), rate (n,) deg/min).
     """
+
+    SWEEPS = {
+        "course (°)": ("Fig. 8: across beats along", "Fig. 9: some courses turn faster"),
+        "first range (km)": ("Fig. 10: nearer is easier", "Fig. 11: far vessels turn slowly"),
+        "speed (m/s)": ("Fig. 12: faster is easier", "Fig. 13: fast vessels turn fast"),
+    }
 
     def __init__(self):
         self.figure = style.figure(9.4, 5.8)
-        self.rows = self.figure.subplots(2, 3, sharex="col")
-
-    def draw(self, result):
-        """Draw all six panels; return the sentence."""
-        titles = (
-            ("Fig. 8: across beats along", "Fig. 9: some courses turn faster"),
-            ("Fig. 10: nearer is easier", "Fig. 11: far vessels turn slowly"),
-            ("Fig. 12: faster is easier", "Fig. 13: fast vessels turn fast"),
-        )
-        for column, (label, (values, rmse, rate)) in enumerate(result.items()):
-            top, low = self.rows[:, column]
-            for name, curve in rmse.items():
-                colour, line, marker = STYLES[name]
-                top.semilogy(values, curve, color=colour, linestyle=line, marker=marker, markersize=3.5)
-                top.lines[-1].set_label(NAMES[name])
-            top.set_ylim(0.01, 300)
+        self.rows, self.lines = self.figure.subplots(2, 3, sharex="col"), {}
+        for (top, low), (label, titles) in zip(self.rows.T, self.SWEEPS.items(), strict=True):
+            for name, (colour, line, marker) in STYLES.items():
+                (self.lines[label, name],) = top.semilogy(
+                    [], [], color=colour, linestyle=line, marker=marker, markersize=3.5, label=NAMES[name]
+                )
+            top.set(title=titles[0], ylim=(0.01, 300))
             top.set_yticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
-            low.plot(values, rate, "-", color=style.BLACK, marker="o", markersize=3)
-            low.set(xlabel=label, ylim=(0, None))
-            top.set_title(titles[column][0])
-            low.set_title(titles[column][1])
+            (self.lines[label, "rate"],) = low.plot([], [], "-", color=style.BLACK, marker="o", markersize=3)
+            low.set(title=titles[1], xlabel=label)
         self.rows[0, 0].set_ylabel("RMSE at 20 min (°)")
         self.rows[1, 0].set_ylabel("mean bearing rate (°/min)")
         handles, names = self.rows[0, 0].get_legend_handles_labels()
         self.figure.legend(handles, names, loc="outside lower center", ncols=5)
+
+    def draw(self, result):
+        """Draw all six panels; return the sentence."""
+        for low, (label, (values, rmse, rate)) in zip(self.rows[1], result.items(), strict=True):
+            for name, curve in (*rmse.items(), ("rate", rate)):
+                self.lines[label, name].set_data(values, curve)
+            margin = 0.05 * np.ptp(values)
+            low.set(xlim=(min(values) - margin, max(values) + margin), ylim=(0, 1.05 * max(rate)))
         (values, rmse, _), *others = result.values()
         best = np.sort(values[np.argsort(rmse["paper"])[:2]])
         ends = [

@@ -113,12 +113,22 @@ def test_errors_are_told_at_the_last_minute():
 def test_passages_and_sweeps_read_their_results():
     position = np.stack([np.linspace(5e3, -1e3, 50), np.full(50, 8660.0)], axis=-1)
     vessels = {"uniform": (position, np.full(50, 5.0)), "accelerating": (position * 2, np.full(50, 8.0))}
-    sentence = views.PassagesView().draw({"time": TIME, "vessels": vessels})
+    view = views.PassagesView()
+    for _ in range(2):
+        sentence = view.draw({"time": TIME, "vessels": vessels})
     assert "the uniform one from 60° to 97°" in sentence
+    assert len(view.map.lines) == 8 and len(view.curve.lines) == 2
+    assert view.ends["accelerating"].get_xdata() == pytest.approx([-2.0])
+    assert np.all(view.speeds["accelerating"].get_ydata() == 8)
     values = np.arange(0, 360, 30)
     curve = 1 + np.abs(np.cos(np.radians(values - 60)))
     sweep = (values, {name: curve for name in views.NAMES}, curve)
-    sentence = views.SweepView().draw({"course (°)": sweep, "first range (km)": sweep, "speed (m/s)": sweep})
+    view = views.SweepView()
+    for _ in range(2):
+        sentence = view.draw({"course (°)": sweep, "first range (km)": sweep, "speed (m/s)": sweep})
+    assert [len(axes.lines) for axes in view.rows.ravel()] == [5, 5, 5, 1, 1, 1]
+    assert np.array_equal(view.lines["speed (m/s)", "free"].get_ydata(), curve)
+    assert view.rows[1, 2].get_xlim()[1] > 330 and view.rows[1, 2].get_ylim()[1] > curve.max()
     assert "best at 150° and 330°; its error goes from 1.5° to 1.0° as the first range grows" in sentence
 
 
