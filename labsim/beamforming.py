@@ -8,8 +8,16 @@ the array at c but at the faster phase speed of its modes: steered at c, every b
 """
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
-from labsim.arguments import require_between, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_shape,
+    require_whole,
+)
 from labsim.waveguide import mode_strength
 
 
@@ -59,7 +67,8 @@ def mvdr_record(field, array, bearing, phase_speed=1505.0, frames=12, loading=1.
     R is the covariance over a block of frames plus `loading` times its mean diagonal on the diagonal. With
     fewer frames L than receivers, Woodbury's identity leaves L x L systems:
     a^H R^-1 a = (E - y^H (m L I + X^H X)^-1 y) / m with y = X^H a and m the loading.
-    Arguments and result as for `conventional_record`; raises ValueError also for a loading not above 0.
+    Arguments and result as for `conventional_record`, 0 for silence; raises ValueError also for a loading
+    not above 0.
     """
     require_positive("loading", loading)
     field, blocks = _blocks(field, array, frames)
@@ -67,7 +76,8 @@ def mvdr_record(field, array, bearing, phase_speed=1505.0, frames=12, loading=1.
     for index, frequency in enumerate(array.frequency):
         snapshots = np.ascontiguousarray(field[..., index])
         level = loading * np.mean(np.abs(snapshots) ** 2, axis=(1, 2))[:, None, None]
-        gram = snapshots.conj() @ snapshots.swapaxes(1, 2) + level * frames * np.eye(frames, dtype=np.float32)
+        diagonal = np.where(level > 0, level, 1) * frames * np.eye(frames, dtype=np.float32)
+        gram = snapshots.conj() @ snapshots.swapaxes(1, 2) + diagonal
         y = snapshots.conj() @ steering(array, frequency, bearing, phase_speed).T
         fitted = np.sum((y.conj() * np.linalg.solve(gram, y)).real, axis=1)
         record += level[:, 0] / (array.elements - fitted) / array.frequency.size
@@ -77,14 +87,18 @@ def mvdr_record(field, array, bearing, phase_speed=1505.0, frames=12, loading=1.
 def bearing_track(record, bearing):
     """Bearing of the strongest beam of every row, refined by a parabola through three points in decibels.
 
+    The first and the last beam have one neighbour only and are not refined: there the source may be outside.
     record : (..., B), power; bearing : (B,), radians, evenly spaced
-    Returns (...), radians. Raises ValueError for fewer than three beams.
+    Returns (...), radians, NaN for silence. Raises ValueError for fewer than three beams or a negative power.
     """
     bearing = require_shape("bearing", require_finite("bearing", bearing), (None,))
     require_between("number of beams", bearing.size, 3, np.inf)
-    record = require_shape("record", record, bearing.shape)
-    peak = np.clip(np.argmax(record, axis=-1), 1, bearing.size - 2)
-    return bearing[peak] + (bearing[1] - bearing[0]) * parabola_offset(np.log(record), peak)
+    record = require_shape("record", require_not_negative("record", record), bearing.shape)
+    peak = np.argmax(record, axis=-1)
+    inner = np.clip(peak, 1, bearing.size - 2)
+    offset = parabola_offset(np.log(np.maximum(record, np.finfo(float).tiny)), inner)
+    track = bearing[peak] + np.where(peak == inner, (bearing[1] - bearing[0]) * offset, 0)
+    return np.where(np.any(record > 0, axis=-1), track, np.nan)
 
 
 def parabola_offset(values, peak):
@@ -101,11 +115,14 @@ def parabola_offset(values, peak):
 
 
 def block_to_frames(values, frames, count):
-    """Values of blocks of frames (n,) read at every frame (count,): lines through the block middles."""
+    """Values of blocks of frames (n,) read at every frame (count,): lines through the block middles.
+
+    The first and the last line run on to the ends; a single block gives its value to all frames.
+    """
+    if values.size == 1:
+        return np.full(count, values[0])
     middle = np.arange(values.size) * frames + (frames - 1) / 2
-    segment = np.clip(np.searchsorted(middle, np.arange(count)) - 1, 0, values.size - 2)
-    slope = np.diff(values)[segment] / frames
-    return values[segment] + slope * (np.arange(count) - middle[segment])
+    return make_interp_spline(middle, values, k=1)(np.arange(count))
 
 
 def steer(field, array, bearing, phase_speed=1505.0):
@@ -130,6 +147,6 @@ def _blocks(field, array, frames):
     expected = (array.elements, array.frequency.size)
     if field.ndim != 3 or field.shape[1:] != expected:
         raise ValueError(f"field must have shape (frames, {expected[0]}, {expected[1]}), not {field.shape}")
-    require_between("frames", frames, 1, field.shape[0])
+    require_whole("frames", frames, 1, field.shape[0])
     blocks = field.shape[0] // frames
     return field[: blocks * frames].reshape(blocks, frames, *expected), blocks

@@ -120,6 +120,27 @@ def test_block_bearings_are_read_at_frames_along_straight_lines():
     frames = np.arange(53)
     blocks = (2.0 + 0.1 * frames)[:48].reshape(4, 12).mean(axis=1)
     assert np.allclose(block_to_frames(blocks, 12, 53), 2.0 + 0.1 * frames)
+    assert np.array_equal(block_to_frames(blocks[:1], 12, 15), np.full(15, blocks[0]))
+
+
+def test_a_beam_at_the_edge_is_not_refined_and_an_empty_neighbour_does_no_harm():
+    bearing = np.radians(np.arange(50, 60, 0.5))
+    record = np.exp(-0.1 * np.arange(20.0))
+    assert bearing_track(np.stack([record, record[::-1]]), bearing) == pytest.approx(bearing[[0, -1]])
+    record = np.zeros((2, 20))
+    record[0, 7] = 1.0
+    found = bearing_track(record, bearing)
+    assert found[0] == pytest.approx(bearing[7]) and np.isnan(found[1])
+    with pytest.raises(ValueError, match="record must not be negative"):
+        bearing_track(-record, bearing)
+
+
+@pytest.mark.parametrize("method", [conventional_record, mvdr_record])
+def test_silence_has_no_power_in_any_direction(method):
+    field = plane_waves(np.random.default_rng(1), [1.0], 8)
+    field[:4] = 0
+    record = method(field, LINE, LOOK, frames=4)
+    assert np.all(record[0] == 0) and np.all(record[1] > 0)
 
 
 @pytest.mark.parametrize("method", [conventional_record, mvdr_record])
@@ -127,7 +148,7 @@ def test_what_does_not_fit_is_refused_in_words(method):
     field = plane_waves(np.random.default_rng(1), [1.0], 4)
     with pytest.raises(ValueError, match="field must have shape"):
         method(field[:, :5], LINE, LOOK)
-    with pytest.raises(ValueError, match="frames must lie between 1 and 4"):
+    with pytest.raises(ValueError, match="frames must be a whole number from 1 to 4"):
         method(field, LINE, LOOK, frames=12)
     with pytest.raises(ValueError, match="phase_speed must be above 0"):
         method(field, LINE, LOOK, phase_speed=0.0, frames=4)
