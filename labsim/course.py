@@ -11,7 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labsim.arguments import require_between, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    require_shape,
+)
 from labsim.metrics import angle_difference
 from labsim.motion import require_increasing, speed_profile_track
 
@@ -46,7 +52,9 @@ class Passage:
         for name in ("initial_bearing", "course"):
             require_between(name, getattr(self, name), -2 * np.pi, 2 * np.pi)
         require_positive("accelerate_for", self.accelerate_for)
-        require_between("accelerate_from", self.accelerate_from, 0, self.duration)
+        require_not_negative("accelerate_from", self.accelerate_from)
+        if self.acceleration:
+            require_between("accelerate_from", self.accelerate_from, 0, self.duration)
         lowest = -self.speed / self.accelerate_for
         require_between("acceleration", self.acceleration, lowest, 1.0)
         require_between("frame", self.frame, 1e-3, self.duration / 2)
@@ -94,7 +102,7 @@ def bearing_and_ratio(passage):
     return bearing, distance / distance[0]
 
 
-def observe(rng, bearing, ratio, bearing_std, ratio_std, trials):
+def simulate_observations(rng, bearing, ratio, bearing_std, ratio_std, trials):
     """Noisy bearings and range ratios as in the paper's Monte Carlo runs; the first ratio is 1 by definition.
 
     rng : numpy.random.Generator; bearing, ratio : (K,), true; bearing_std : radians
@@ -126,13 +134,8 @@ def bearings_only_course(time, bearing, running=True):
     Returns course, radians in [-pi, pi); NaN where there is nothing to go by, as for a constant bearing.
     """
     time, turn, first = _bearings(time, bearing)
-    want = np.sin(turn)
-    across, along = time * np.cos(turn), -time * want
-    s11, s12, s22, b1, b2 = _sums(running, across**2, across * along, along**2, across * want, along * want)
-    determinant = s11 * s22 - s12**2
-    u, w = b1 * s22 - b2 * s12, b2 * s11 - b1 * s12
-    course = angle_difference(first + np.arctan2(u, w), 0)
-    return np.where(determinant > 1e-12 * s11 * s22, course, np.nan)
+    cosine, sine = np.cos(turn), np.sin(turn)
+    return _course_of_fit(first, _moments(running, time * cosine, -time * sine, sine))
 
 
 def free_bearings_only_course(time, bearing, running=True):
@@ -143,17 +146,11 @@ def free_bearings_only_course(time, bearing, running=True):
     """
     time, turn, first = _bearings(time, bearing)
     cosine, sine = np.cos(turn), np.sin(turn)
-    terms = (cosine, time * cosine, -time * sine)
-    products = [terms[i] * terms[j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]
-    s00, s01, s02, s11, s12, s22, b0, b1, b2 = _sums(running, *products, *(term * sine for term in terms))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        s11, s12, s22 = s11 - s01**2 / s00, s12 - s01 * s02 / s00, s22 - s02**2 / s00
-        b1, b2 = b1 - s01 * b0 / s00, b2 - s02 * b0 / s00
-    determinant = s11 * s22 - s12**2
-    course = angle_difference(first + np.arctan2(b1 * s22 - b2 * s12, b2 * s11 - b1 * s12), 0)
+    moments = _without_first(_moments(running, cosine, time * cosine, -time * sine, sine))
+    course = _course_of_fit(first, moments)
     if running:
-        determinant[..., :2] = 0
-    return np.where(determinant > 1e-12 * s11 * s22, course, np.nan)
+        course[..., :2] = np.nan
+    return course
 
 
 def paper_course(bearing, ratio, bearing_std, ratio_std, running=True):
@@ -175,7 +172,7 @@ def paper_course(bearing, ratio, bearing_std, ratio_std, running=True):
     noise = _sums(running, *noise)
     shared = _first_bearing_noise(direction, bearing_std)
     axis = _least_eigenvector_axis(moments, [w + n * s for w, s in zip(noise, shared, strict=True)])
-    return _resolved(axis, direction, ratio, running)
+    return resolve_course(axis, direction, ratio, running)
 
 
 def centred_course(bearing, ratio, bearing_std, ratio_std, running=True):
@@ -188,14 +185,13 @@ def centred_course(bearing, ratio, bearing_std, ratio_std, running=True):
     """
     direction, ratio = _observations(bearing, ratio, bearing_std, ratio_std)
     radial, across = _noise_shapes(direction, ratio)
-    x, y = -ratio * direction[0], ratio * direction[1]
-    xx, xy, yy, x, y, total, n = _sums(running, *_products((x, y)), x, y, ratio, np.ones(ratio.shape[-1]))
+    ones = np.ones(ratio.shape)
+    (xx, xy), (_, yy) = _without_first(_moments(running, ones, -ratio * direction[0], ratio * direction[1]))
+    total, n = _sums(running, ratio, ones)
     radial, across = _sums(running, *radial), _sums(running, *across)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        centred = (xx - x * x / n, xy - x * y / n, yy - y * y / n)
-        radial_var = (ratio_std * total / n) ** 2
-        spread = [bearing_std**2 * w + radial_var * m for w, m in zip(across, radial, strict=True)]
-    return _resolved(_least_eigenvector_axis(centred, spread), direction, ratio, running)
+    radial_var = (ratio_std * total / n) ** 2
+    spread = [bearing_std**2 * w + radial_var * m for w, m in zip(across, radial, strict=True)]
+    return resolve_course(_least_eigenvector_axis((xx, xy, yy), spread), direction, ratio, running)
 
 
 def correlated_error_course(bearing, ratio, bearing_std, ratio_std, running=True):
@@ -220,7 +216,7 @@ def correlated_error_course(bearing, ratio, bearing_std, ratio_std, running=True
             moments = (xx - kappa * x * x, xy - kappa * x * y, yy - kappa * y * y)
             spread = [(1 - kappa) * w + (n - kappa * n**2) * s for w, s in zip(noise, shared, strict=True)]
         axis = _least_eigenvector_axis(moments, spread)
-    return _resolved(axis, direction, ratio, running)
+    return resolve_course(axis, direction, ratio, running)
 
 
 def all_courses(time, bearing, ratio, bearing_std, ratio_std, running=True):
@@ -244,21 +240,26 @@ def all_courses(time, bearing, ratio, bearing_std, ratio_std, running=True):
     }
 
 
-def resolve_course(axis, bearing, ratio, running=True):
+def resolve_course(axis, direction, ratio, running=True):
     """Choose between a course and its opposite: the one along which the points M (cos, sin) have moved.
 
     The sign of the points' linear trend along the axis serves all quadrants and a constant bearing alike.
-    axis : (..., K) or (..., 1), radians modulo pi; bearing, ratio : (..., K)
+    axis : (..., K) or (..., 1), radians modulo pi
+    direction : (cos theta, sin theta), (..., K) each; ratio : M (..., K)
     Returns course, of the shape of `axis`, radians in [-pi, pi).
     """
-    return _resolved(axis, (np.cos(bearing), np.sin(bearing)), ratio, running)
+    step = np.arange(ratio.shape[-1], dtype=float)
+    x, y = ratio * direction[0], ratio * direction[1]
+    n, k, sx, sy, kx, ky = _sums(running, np.ones(step.size), step, x, y, step * x, step * y)
+    along = (kx - k * sx / n) * np.cos(axis) + (ky - k * sy / n) * np.sin(axis)
+    return angle_difference(axis + np.where(along < 0, np.pi, 0.0), 0)
 
 
 def resolve_course_by_bearing(axis, bearing, running=True):
     """The paper's rule (section 2.2): a growing bearing means sin(course - theta_0) > 0, a falling one < 0.
 
-    Arguments and result as for `resolve_course`. The paper sets a constant bearing apart, and has to: there
-    the rule follows the noise of the bearing.
+    The paper sets a constant bearing apart, and has to: there the rule follows the noise of the bearing.
+    bearing : (..., K), radians; axis and result as for `resolve_course`
     """
     step = np.arange(bearing.shape[-1], dtype=float)
     turn = angle_difference(bearing, bearing[..., :1])
@@ -316,7 +317,7 @@ def uniform_motion_bound(time, bearing, relative_speed, course, bearing_std, rat
     ratio : (K,), true range ratios that are observed too, or None; ratio_std : their standard deviation
     Returns (K,), radians; infinite for the first two observations.
     """
-    time = require_increasing("time", time)
+    time = require_increasing("time", time) - time[0]
     run, ones = relative_speed * time, np.ones_like(time)
     x, y = np.cos(bearing[0]) + run * np.cos(course), np.sin(bearing[0]) + run * np.sin(course)
     share = time / time[-1]
@@ -324,7 +325,7 @@ def uniform_motion_bound(time, bearing, relative_speed, course, bearing_std, rat
     dy = np.array([np.cos(bearing[0]) * ones, share * np.sin(course), run * np.cos(course)])
     rows = [(x * dy - y * dx) / (x**2 + y**2) / bearing_std]
     if ratio is not None:
-        rows.append((x * dx + y * dy) / ratio / ratio_std * (time > time[0]))
+        rows.append((x * dx + y * dy) / ratio / ratio_std * (time > 0))
     information = np.cumsum(np.einsum("rik,rjk->kij", rows, rows), axis=0)
     bound = np.full(time.shape, np.inf)
     bound[2:] = np.sqrt(np.linalg.inv(information[2:])[:, 2, 2])
@@ -348,18 +349,30 @@ def _observations(bearing, ratio, bearing_std, ratio_std):
     return (np.cos(bearing), np.sin(bearing)), ratio
 
 
-def _resolved(axis, direction, ratio, running):
-    step = np.arange(ratio.shape[-1], dtype=float)
-    x, y = ratio * direction[0], ratio * direction[1]
-    n, k, sx, sy, kx, ky = _sums(running, np.ones(step.size), step, x, y, step * x, step * y)
-    along = (kx - k * sx / n) * np.cos(axis) + (ky - k * sy / n) * np.sin(axis)
-    return angle_difference(axis + np.where(along < 0, np.pi, 0.0), 0)
-
-
 def _sums(running, *terms):
     if running:
         return [np.cumsum(term, axis=-1) for term in terms]
     return [np.sum(term, axis=-1, keepdims=True) for term in terms]
+
+
+def _moments(running, *columns):
+    """Sums of the products of every two columns, as the rows of a symmetric matrix."""
+    places = range(len(columns))
+    sums = {(i, j): _sums(running, columns[i] * columns[j])[0] for i in places for j in places[i:]}
+    return [[sums[min(i, j), max(i, j)] for j in places] for i in places]
+
+
+def _without_first(moments):
+    """Moments of what is left of the other columns when least squares has fitted the first to them."""
+    (pivot, *row), *rest = moments
+    return [[value - x * y / pivot for value, y in zip(line, row, strict=True)] for x, *line in rest]
+
+
+def _course_of_fit(first, moments):
+    """The course of the least-squares u and w: `moments` are those of their columns and of the target."""
+    (s11, s12, b1), (_, s22, b2), _ = moments
+    course = angle_difference(first + np.arctan2(b1 * s22 - b2 * s12, b2 * s11 - b1 * s12), 0)
+    return np.where(s11 * s22 - s12**2 > 1e-12 * s11 * s22, course, np.nan)
 
 
 def _products(pair):

@@ -10,7 +10,14 @@ eqs. 1-9; delays of modes and their group speeds: tau = beta (t_m - t_n), which 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from labsim.arguments import require_between, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_finite,
+    require_interval,
+    require_positive,
+    require_shape,
+    require_whole,
+)
 from labsim.beamforming import parabola_offset
 from labsim.waveguide import group_delay_difference, solve_modes
 
@@ -45,32 +52,22 @@ def constant_limits(band, beta):
     band : (f_1, f_2), Hz; beta : the assumed waveguide invariant
     Raises ValueError for beta below 1, where no C is left, and for a band that is not (low, high).
     """
-    low, high = require_shape("band", require_positive("band", band), (2,))
-    if not low < high:
-        raise ValueError(f"band must be (low, high) with low < high, but ({low:g}, {high:g}) was given")
+    low, high = require_interval("band", require_positive("band", band))
     if not require_positive("beta", beta) >= 1:
         raise ValueError(f"beta must be at least 1, or no constant keeps the band, but {beta:g} was given")
     return high * low**beta, low * high**beta
 
 
-def warping_constant(band, beta, centre=None):
+def warping_constant(band, beta):
     """C = f_0^(1 + beta), with which the operator leaves f_0 in its place: Dong et al. 2020, before eq. 4.
 
-    centre : f_0, Hz; None for the geometric mean of the band, which always satisfies `constant_limits`
-    Raises ValueError when C falls outside the limits.
+    f_0 is the geometric mean of the band's edges, and C that of its limits. Arguments and errors as for
+    `constant_limits`.
     """
-    low, high = constant_limits(band, beta)
-    centre = np.sqrt(band[0] * band[1]) if centre is None else float(require_positive("centre", centre))
-    constant = centre ** (1 + beta)
-    if not low * (1 - 1e-9) <= constant <= high * (1 + 1e-9):
-        raise ValueError(
-            f"centre must lie between {low ** (1 / (1 + beta)):.4g} and {high ** (1 / (1 + beta)):.4g} Hz "
-            f"for this band and beta {beta:g}, but {centre:g} was given"
-        )
-    return constant
+    return np.sqrt(np.prod(constant_limits(band, beta)))
 
 
-def warp(spectrum, frequency, band=BAND, beta=1.0, centre=None):
+def warp(spectrum, frequency, band=BAND, beta=1.0):
     """The warped spectrum |h'(f)|^(1/2) I(h(f)): Dong et al. 2020, eqs. 1-2.
 
     The new frequencies are those that the operator maps into `band`, where alone I is used.
@@ -78,7 +75,7 @@ def warp(spectrum, frequency, band=BAND, beta=1.0, centre=None):
     Returns the new frequencies (N,), Hz, and the warped spectrum (..., N).
     Raises ValueError for a band outside `frequency` and as `warping_constant` does.
     """
-    constant = warping_constant(band, beta, centre)
+    constant = warping_constant(band, beta)
     frequency = require_shape("frequency", require_finite("frequency", frequency), (None,))
     spectrum = require_shape("spectrum", require_finite("spectrum", spectrum), frequency.shape)
     spacing = frequency[1] - frequency[0]
@@ -105,19 +102,19 @@ def delay_envelope(warped, frequency, delay):
     return np.hypot(tone @ kernel.real, tone @ kernel.imag) / np.sum(window)
 
 
-def pulse_delay(waveguide, first, second, distance, beta=1.0, band=BAND, centre=None):
+def pulse_delay(waveguide, first, second, distance, beta=1.0, band=BAND):
     """Where to expect the pulse of two modes: tau = beta (t_second - t_first) at f_0, whatever the sea.
 
     waveguide : PekerisWaveguide; first, second : mode numbers; distance : (...), m
     Returns (...), s. Raises ValueError when a mode is not trapped at f_0.
     """
-    centre = warping_constant(band, beta, centre) ** (1 / (1 + beta))
+    centre = warping_constant(band, beta) ** (1 / (1 + beta))
     return beta * group_delay_difference(solve_modes(waveguide, centre), first, second, distance)[..., 0]
 
 
 def running_mean(values, frames):
     """Mean of `frames` consecutive rows: values (..., K, F) to (..., K - frames + 1, F)."""
-    require_between("frames", frames, 1, values.shape[-2])
+    frames = require_whole("frames", frames, 1, values.shape[-2])
     total = np.cumsum(values, axis=-2, dtype=float)
     total[..., frames:, :] -= total[..., :-frames, :].copy()
     return total[..., frames - 1 :, :] / frames
@@ -145,6 +142,17 @@ def track_pulse(envelope, delay, start, reach=4e-3):
     return delay[track] + spacing * parabola_offset(envelope, track)
 
 
+def follow_pulse(spectrum, frequency, delay, start, beta=1.0):
+    """From spectra to the delay of one pulse: `warp`, `delay_envelope` and `track_pulse` in a row.
+
+    spectrum : (..., K, F), power; frequency : (F,), Hz; delay : (D,), s, where to look
+    start : s, where the pulse is expected at first; beta : the assumed waveguide invariant
+    Returns (..., K), s.
+    """
+    warped_frequency, warped = warp(spectrum, frequency, beta=beta)
+    return track_pulse(delay_envelope(warped, warped_frequency, delay), delay, start)
+
+
 def range_ratio(delay, reference=1):
     """M_k = tau_k / tau_0, the range now over the range at the start: Dong et al. 2020, eqs. 6-9.
 
@@ -153,7 +161,7 @@ def range_ratio(delay, reference=1):
     Raises ValueError for delays that are not above 0.
     """
     delay = require_positive("delay", delay)
-    require_between("reference", reference, 1, delay.shape[-1])
+    reference = require_whole("reference", reference, 1, delay.shape[-1])
     return delay / np.mean(delay[..., :reference], axis=-1, keepdims=True)
 
 

@@ -10,7 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from labsim.arguments import require_between, require_finite, require_positive, require_shape
+from labsim.arguments import (
+    require_between,
+    require_finite,
+    require_interval,
+    require_positive,
+    require_shape,
+    require_whole,
+)
+from labsim.motion import require_increasing
+from labsim.noise import power_ratio
 
 BISECTIONS = 60
 NEPER_IN_DB = 20 / np.log(10)
@@ -58,7 +67,7 @@ class HorizontalArray:
     """A line of receivers along the x axis, centred on the origin, and how its sound is cut into frames.
 
     elements : count; spacing, depth : m; band : (low, high), Hz; sample_rate : Hz; frame : s
-    Raises ValueError for a single element, a frame shorter than a sample, or a band outside half the rate.
+    Raises ValueError for fewer than two elements, a band outside half the rate, or one without a single bin.
     """
 
     elements: int = 64
@@ -69,15 +78,10 @@ class HorizontalArray:
     frame: float = 1.024
 
     def __post_init__(self):
-        require_between("elements", self.elements, 2, 4096)
+        require_whole("elements", self.elements, 2, 4096)
         for name in ("spacing", "depth", "sample_rate", "frame"):
             require_positive(name, getattr(self, name))
-        low, high = require_shape("band", require_positive("band", self.band), (2,))
-        if not low < high <= self.sample_rate / 2:
-            raise ValueError(
-                f"band must be (low, high) with low < high <= {self.sample_rate / 2:g} Hz, "
-                f"but ({low:g}, {high:g}) was given"
-            )
+        low, high = require_interval("band", self.band, 0, self.sample_rate / 2)
         if self.frequency.size == 0:
             raise ValueError(
                 f"band must hold a multiple of {1 / self.frame:g} Hz, but ({low:g}, {high:g}) was given"
@@ -141,7 +145,9 @@ def solve_modes(waveguide, frequency):
     waveguide : PekerisWaveguide; frequency : (F,), Hz, increasing, or one frequency
     Returns Modes. Raises ValueError for a frequency at which no mode is trapped.
     """
-    frequency = _increasing(np.atleast_1d(require_positive("frequency", frequency)))
+    frequency = np.atleast_1d(require_positive("frequency", frequency))
+    if frequency.size > 1:
+        require_increasing("frequency", frequency)
     cutoff = waveguide.cutoff_frequency(1)
     if frequency[0] <= cutoff:
         raise ValueError(
@@ -180,7 +186,7 @@ def group_delay_difference(modes, first, second, distance):
     """
     distance = require_positive("distance", distance)
     for number in (first, second):
-        require_between("mode number", number, 1, np.inf)
+        require_whole("mode number", number, 1)
         if number > modes.count or np.isnan(modes.group_speed[number - 1]).any():
             raise ValueError(
                 f"mode {number} must be trapped, but only {np.sum(np.isfinite(modes.group_speed[:, 0]))} "
@@ -239,12 +245,11 @@ def array_field(modes, array, distance, bearing, source_depth=3.0, memory=500e6,
     return result
 
 
-def ship_sound(rng, field, noise_power, gaussian=False):
+def ship_sound(rng, field, noise_power):
     """Give each frame the spectrum of a ship and add the noise of the sea, in place.
 
-    The source has unit strength and random phase in every bin, or complex Gaussian amplitudes; the noise is
-    white over receivers and bins. Frame after frame is drawn, so the first frames of a long scene are those
-    of a short one.
+    The source has unit strength and random phase in every bin; the noise is white over receivers and bins.
+    Frame after frame is drawn, so the first frames of a long scene are those of a short one.
     rng : numpy.random.Generator; field : complex64 (K, elements, F), of a source of unit strength
     noise_power : mean square of the noise at one receiver in one bin, in the unit of |field|^2
     Returns `field`. Raises ValueError for a noise power that is not above 0.
@@ -252,11 +257,23 @@ def ship_sound(rng, field, noise_power, gaussian=False):
     noise_std = np.float32(np.sqrt(require_positive("noise_power", noise_power) / 2))
     for frame in field:
         draw = rng.standard_normal((2, frame.shape[-1]))
-        source = (draw[0] + 1j * draw[1]) / np.sqrt(2)
-        frame *= (source if gaussian else source / np.abs(source)).astype(np.complex64)
+        source = draw[0] + 1j * draw[1]
+        frame *= (source / np.abs(source)).astype(np.complex64)
         noise = rng.standard_normal((*frame.shape, 2), dtype=np.float32)
         frame += noise_std * noise.view(np.complex64)[..., 0]
     return field
+
+
+def beam_sound(rng, clean, snr_db, elements):
+    """What a beam hears that follows a ship: the sound at one receiver, with 1 / elements of its noise.
+
+    rng : numpy.random.Generator; clean : complex (K, F), of a source of unit strength, as from `pressure`
+    snr_db : signal to noise at one receiver, dB; elements : how many receivers the beam adds up
+    Returns complex64 (K, F).
+    """
+    field = clean[:, None].astype(np.complex64)
+    noise_power = np.mean(np.abs(field) ** 2) * power_ratio(-snr_db) / elements
+    return ship_sound(rng, field, noise_power)[:, 0]
 
 
 def _complete_modes(waveguide, frequency, vertical):
@@ -305,9 +322,3 @@ def _chunk_frames(shape, memory):
             f"elements x {bins} frequencies, but {memory / 1e6:g} MB was given"
         )
     return int(np.clip((memory - result) // per_frame, 1, 16))
-
-
-def _increasing(frequency):
-    if np.any(np.diff(frequency) <= 0):
-        raise ValueError("frequency must increase from one value to the next")
-    return require_shape("frequency", frequency, (None,))

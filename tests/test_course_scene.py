@@ -15,7 +15,7 @@ from labsim.course import (
     paper_course,
 )
 from labsim.metrics import angle_difference, convergence_time
-from labsim.warping import delay_envelope, pulse_delay, range_ratio, ratio_error, track_pulse, warp
+from labsim.warping import follow_pulse, pulse_delay, range_ratio, ratio_error
 from labsim.waveguide import PekerisWaveguide
 
 DATA = Path(__file__).parents[1] / "notebooks" / "data"
@@ -42,10 +42,8 @@ def read(scene, name):
     passage, spectrum = PASSAGES[name], scene[f"{name}_spectrum"].astype(float)
     time = scene["time"]
     bearing = np.interp(time, passage.time, scene[f"{name}_bearing"].astype(float))
-    frequency, warped = warp(spectrum, scene["frequency"])
-    envelope = delay_envelope(warped, frequency, DELAY)
     pairs = {pair: pulse_delay(PekerisWaveguide(), *pair, 10e3) for pair in ((2, 4), (1, 4), (3, 4))}
-    delays = {pair: track_pulse(envelope, DELAY, start) for pair, start in pairs.items()}
+    delays = {pair: follow_pulse(spectrum, scene["frequency"], DELAY, start) for pair, start in pairs.items()}
     return time, bearing, bearing_and_range(passage.track, time), delays
 
 

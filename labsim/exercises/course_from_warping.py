@@ -5,17 +5,8 @@ import numpy as np
 from labsim.checks import NOT_ANSWERED, Feedback, check_number
 from labsim.course import Passage, bearing_and_range, bearing_and_ratio, centred_course, paper_course
 from labsim.metrics import angle_difference
-from labsim.noise import power_ratio
-from labsim.warping import (
-    delay_envelope,
-    pulse_delay,
-    range_ratio,
-    ratio_error,
-    running_mean,
-    track_pulse,
-    warp,
-)
-from labsim.waveguide import HorizontalArray, PekerisWaveguide, pressure, ship_sound, solve_modes
+from labsim.warping import follow_pulse, pulse_delay, range_ratio, ratio_error, running_mean
+from labsim.waveguide import HorizontalArray, PekerisWaveguide, beam_sound, pressure, solve_modes
 
 COMMON_SCALE = 1.03
 
@@ -121,15 +112,13 @@ def averaging_errors(frames, snr_db=-20.0, seeds=range(5)):
     modes = solve_modes(sea, array.frequency)
     delay = np.arange(20e-3, 180e-3, 0.5e-3)
     _, distance = bearing_and_range(passage.track, passage.time)
-    clean = pressure(modes, distance)[:, None, :].astype(np.complex64)
-    noise_power = np.mean(np.abs(clean) ** 2) * power_ratio(-snr_db) / array.elements
+    clean = pressure(modes, distance)
     middle = np.arange(distance.size - frames + 1) + (frames - 1) / 2
     truth = np.interp(middle, np.arange(distance.size), distance)
     errors = []
     for seed in seeds:
-        beam = ship_sound(np.random.default_rng(seed), clean.copy(), noise_power)[:, 0]
-        warped_frequency, warped = warp(running_mean(np.abs(beam) ** 2, frames), array.frequency)
-        envelope = delay_envelope(warped, warped_frequency, delay)
-        followed = track_pulse(envelope, delay, pulse_delay(sea, 2, 4, distance[0]))
+        beam = beam_sound(np.random.default_rng(seed), clean, snr_db, array.elements)
+        power = running_mean(np.abs(beam) ** 2, frames)
+        followed = follow_pulse(power, array.frequency, delay, pulse_delay(sea, 2, 4, distance[0]))
         errors.append(ratio_error(range_ratio(followed, min(30, followed.size)), truth / truth[0]))
     return np.array(errors)

@@ -5,9 +5,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
-import scipy.linalg
+from test_course import loop_course
 
-from labsim.course import Passage, bearing_and_range, observe, paper_course
+from labsim.course import Passage, bearing_and_range, paper_course, simulate_observations
 from labsim.waveguide import HorizontalArray, PekerisWaveguide, array_field, pressure, solve_modes
 
 SEA, ARRAY, PASSAGE = PekerisWaveguide(), HorizontalArray(), Passage()
@@ -41,9 +41,10 @@ def test_the_full_scene_in_500_mib(benchmark):
 def test_the_running_estimate_of_100_trials_beats_a_plain_loop_fifty_times(benchmark):
     """The loop runs 4 of the 100 trials and is scaled by 25; both in one run on one machine."""
     bearing, distance = bearing_and_range(PASSAGE.track, PASSAGE.time)
-    trials = observe(np.random.default_rng(1), bearing, distance / distance[0], 0.01, 0.05, 100)
+    ratio = distance / distance[0]
+    trials = simulate_observations(np.random.default_rng(1), bearing, ratio, 0.01, 0.05, 100)
     benchmark(paper_course, *trials, 0.01, 0.05)
-    loop = 25 * seconds(lambda: [plain_loop(trials[0][n], trials[1][n], 0.01, 0.05) for n in range(4)])
+    loop = 25 * seconds(lambda: [loop_course(trials[0][n], trials[1][n], 0.01, 0.05) for n in range(4)])
     benchmark.extra_info["times_plain_loop"] = loop / benchmark.stats["median"]
     assert loop / benchmark.stats["median"] >= 50
 
@@ -70,22 +71,3 @@ def test_all_modes_at_all_frequencies_against_an_independent_code(benchmark):
         ours = modes.wavenumber[: len(found), index]
         assert np.max(np.abs(ours / found.real - 1)[deep]) <= 2e-5
     assert slow > benchmark.stats["median"]
-
-
-def plain_loop(bearing, ratio, bearing_std, ratio_std):
-    """The paper's equations 15 to 24, one observation after another."""
-    course = np.full(bearing.size, np.nan)
-    a_sum, w_sum = np.zeros((2, 2)), np.zeros((2, 2))
-    c0, s0 = np.cos(bearing[0]), np.sin(bearing[0])
-    trend = np.zeros(2)
-    for k in range(1, bearing.size):
-        c, s, m = np.cos(bearing[k]), np.sin(bearing[k]), ratio[k]
-        a = np.array([-(m * c - c0), m * s - s0])
-        a_sum += np.outer(a, a)
-        w_sum += ratio_std**2 * np.outer([-c, s], [-c, s]) + (m * bearing_std) ** 2 * np.outer([s, c], [s, c])
-        w_sum += bearing_std**2 * np.outer([s0, c0], [s0, c0])
-        vector = scipy.linalg.eigh(a_sum, w_sum)[1][:, 0]
-        axis = np.arctan2(vector[0], vector[1])
-        trend += k * np.array([m * c - c0, m * s - s0])
-        course[k] = axis if trend @ [np.cos(axis), np.sin(axis)] >= 0 else axis + np.pi
-    return course
