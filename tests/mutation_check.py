@@ -27,6 +27,7 @@ MUTANTS = {
         ("np.exp(-1j * phase * array.positions[0])", "np.exp(1j * phase * array.positions[0])"),
         ("(array.elements - fitted)", "(array.elements + fitted)"),
         ("+ (frames - 1) / 2", "+ frames / 2"),
+        ("np.where(peak == inner, (bearing[1]", "np.where(peak > 0, (bearing[1]"),
     ],
     "bearing_gate": [
         ("target_range - baseline * np.cos(theta))", "target_range + baseline * np.cos(theta))"),
@@ -64,6 +65,8 @@ MUTANTS = {
         ("np.where(along < 0, np.pi, 0.0)", "np.where(along > 0, np.pi, 0.0)"),
         ("cross**2 / (first + 1 / bearing_std**2)", "cross**2 / (first + bearing_std**2)"),
         ("return _products((sine, cosine))", "return _products((cosine, sine))"),
+        ("[value - x * y / pivot", "[value + x * y / pivot"),
+        ('require_increasing("time", time) - time[0]', 'require_increasing("time", time)'),
     ],
     "delay_tracking": [
         ("np.array([[1.0, -interval / 2]])", "np.array([[1.0, interval / 2]])"),
@@ -171,6 +174,7 @@ MUTANTS = {
         ("bottom_loss * share", "bottom_loss"),
         ("distance - array.positions[0] * along", "distance + array.positions[0] * along"),
         ("np.sqrt(2 * np.pi / distance) * total", "np.sqrt(np.pi / distance) * total"),
+        ("power_ratio(-snr_db) / elements", "power_ratio(-snr_db)"),
     ],
 }
 
