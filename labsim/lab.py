@@ -16,7 +16,7 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import PythonLexer
 
-from labsim.arguments import require_interval, require_positive
+from labsim.arguments import require_positive
 
 __all__ = ["Lab", "choice", "interval", "show_source", "slider", "still", "switch"]
 
@@ -40,8 +40,9 @@ def slider(label, low, high, start, step=None, log=False):
 
 
 def interval(label, low, high, start, step=None):
-    """Two numbers between low and high, the first below the second, both there at the start."""
-    require_interval(f"start of {label!r}", start, low, high)
+    """Two numbers between low and high, the first not above the second."""
+    if not low <= start[0] <= start[1] <= high:
+        raise ValueError(f"start of {label!r} must be two numbers in order between its ends, but is not")
     step = step or (high - low) / 100
     return ipywidgets.FloatRangeSlider(
         value=start, min=low, max=high, step=step, description=label, readout_format=_readout(False, step)
