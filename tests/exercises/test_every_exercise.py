@@ -23,7 +23,17 @@ EXERCISES = [
     for name, function in inspect.getmembers(import_module(f"labsim.exercises.{module}"), inspect.isfunction)
     if name[0] != "_" and function.__module__.endswith(module) and takes_an_answer_alone(function)
 ]
-NONSENSE = ("no idea", np.nan, np.inf, [], {}, (1, 2, 3, 4, 5), np.array([1.0, np.nan]), lambda: 0, "")
+NONSENSE = {
+    "words": "no idea",
+    "nothing": "",
+    "NaN": np.nan,
+    "infinity": np.inf,
+    "empty list": [],
+    "dict": {},
+    "five numbers": (1, 2, 3, 4, 5),
+    "array": np.array([1.0, np.nan]),
+    "function": lambda: 0,
+}
 
 
 @pytest.mark.parametrize("exercise", EXERCISES)
@@ -32,7 +42,7 @@ def test_dots_are_no_answer_yet(exercise):
 
 
 @pytest.mark.parametrize("exercise", EXERCISES)
-@pytest.mark.parametrize("answer", NONSENSE, ids=repr)
+@pytest.mark.parametrize("answer", NONSENSE.values(), ids=NONSENSE.keys())
 def test_nonsense_is_never_right_and_never_a_stack_trace(exercise, answer):
     feedback = exercise(answer)
     assert isinstance(feedback, Feedback) and not feedback.right
