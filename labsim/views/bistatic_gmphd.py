@@ -373,7 +373,7 @@ class CostView:
         self.axes.set_title(f"On this machine, in this run: {largest} costs most in the end")
         return (
             f"On the machine that drew this, with {result['components'][-1]} components, the most expensive "
-            f"part was {largest}, with {1e3 * result['times'][largest][-1]:.1f} ms of CPU time."
+            f"part was {largest}."
         )
 
 

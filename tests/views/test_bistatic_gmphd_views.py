@@ -105,4 +105,4 @@ def test_the_still_pictures_say_their_numbers():
     assert said == "Mean OSPA over all scans: two 60 m, one 80 m."
     times = {"update": np.array([1e-3, 2e-3]), "merge": np.array([1e-3, 5e-3])}
     said = views.CostView().draw(dict(components=np.array([25, 800]), times=times))
-    assert "with 800 components, the most expensive part was merge, with 5.0 ms" in said
+    assert "with 800 components, the most expensive part was merge." in said
