@@ -43,7 +43,7 @@ def check_number(answer, expected, tolerance, hint="", mistakes=()):
     if answer is ... or answer is None:
         return NOT_ANSWERED
     try:
-        answer = float(answer)
+        answer = float(np.squeeze(answer))
     except (TypeError, ValueError):
         return Feedback("look again", f"the answer must be one number, but it is {answer!r}")
     if not np.isfinite(answer):

@@ -180,17 +180,14 @@ def centred_course(bearing, ratio, bearing_std, ratio_std, running=True):
 
     The paper ties the line to its first point; here the mean takes that place, so no single bearing counts
     more than another, and the points may carry any common scale: plain delays serve as well as ratios.
-    Arguments and result as for `paper_course`, but ratio : (..., K) to any scale, and
-    ratio_std : its standard deviation as a fraction of its mean.
+    Arguments and result as for `paper_course`, but ratio and ratio_std may be to any common scale.
     """
     direction, ratio = _observations(bearing, ratio, bearing_std, ratio_std)
     radial, across = _noise_shapes(direction, ratio)
     ones = np.ones(ratio.shape)
     (xx, xy), (_, yy) = _without_first(_moments(running, ones, -ratio * direction[0], ratio * direction[1]))
-    total, n = _sums(running, ratio, ones)
     radial, across = _sums(running, *radial), _sums(running, *across)
-    radial_var = (ratio_std * total / n) ** 2
-    spread = [bearing_std**2 * w + radial_var * m for w, m in zip(across, radial, strict=True)]
+    spread = [bearing_std**2 * w + ratio_std**2 * m for w, m in zip(across, radial, strict=True)]
     return resolve_course(_least_eigenvector_axis((xx, xy, yy), spread), direction, ratio, running)
 
 

@@ -74,7 +74,8 @@ class Lab:
         self.model, self.view, self.controls = model, view, controls
         self._painter = _Painter(view.figure)
         self._start = {name: control.value for name, control in controls.items()}
-        self._picture = ipywidgets.Image(format="png", layout=ipywidgets.Layout(max_width="100%"))
+        fitting = ipywidgets.Layout(max_width="100%", align_self="flex-start")
+        self._picture = ipywidgets.Image(format="png", layout=fitting)
         self._status = ipywidgets.HTML()
         reset = ipywidgets.Button(
             description="Reset",
@@ -113,7 +114,9 @@ class Lab:
         except Exception as error:
             # numpy's failures in linear algebra are ValueErrors, too, but no answer to what was asked
             if isinstance(error, ValueError) and not isinstance(error, np.linalg.LinAlgError):
-                self._say(f"<b>Not possible:</b> {escape(str(error))}")
+                self._say(
+                    f"<b>Not possible:</b> {escape(str(error))}. The picture is that of the step before."
+                )
             else:
                 said = f"{type(error).__name__}: {error}"
                 self._say(f"<b>A fault of the lab, not yours:</b> {escape(said)}")

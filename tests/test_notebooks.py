@@ -125,6 +125,17 @@ def test_chapter_has_sliders(path):
     assert sum(source(cell).count("Lab(") for cell in code_cells(read_notebook(path))) >= 2
 
 
+@COURSE
+def test_every_lab_is_announced_by_a_question_or_a_task(path):
+    text = ""
+    for cell in read_notebook(path)["cells"]:
+        if cell["cell_type"] == "markdown":
+            text += source(cell) + "\n"
+        elif "Lab(" in source(cell):
+            assert re.search(r"\*\*(Predict|Explore)|^1\. ", text, re.MULTILINE), source(cell)
+            text = ""
+
+
 @CHAPTER
 def test_solutions_stand_beside_the_exercises(path):
     if "labsim.exercises" not in path.read_text(encoding="utf-8"):

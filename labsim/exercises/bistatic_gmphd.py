@@ -36,7 +36,12 @@ def weight_after_misses(answer):
 def misses_until_pruned(answer):
     """How many scans without a detection until a certain target, weight 1, is pruned."""
     expected = int(np.floor(np.log(MODEL.prune_below) / np.log(MODEL.survival * (1 - MODEL.detection)))) + 1
-    mistakes = [(expected - 1, "after that many it is still just above the threshold")]
+    mistakes = [
+        (
+            expected - 1,
+            "after that many it is still above the threshold, though by less than one more miss takes",
+        )
+    ]
     hint = "find the first power of P_S (1 - P_D) below 1e-5"
     return check_number(answer, expected, 1e-9, hint, mistakes)
 
@@ -52,5 +57,5 @@ def clutter_that_fills_the_gate(answer):
         (discs, "the gate is d² < 20: its radius is √20 spreads"),
         (discs / MODEL.gate**2, "20 is the square of the gate's radius, in spreads"),
     ]
-    hint = "divide the area of the region, region_area(scenario), by that of the gate, a disc"
+    hint = "divide the area of the region, bs.region_area(scene), by that of the gate, a disc"
     return check_number(answer, expected, 0.02, hint, mistakes)

@@ -35,6 +35,7 @@ def expected_delay(answer):
         0.01,
         "divide the range by the group speeds of modes 1 and 3 at the geometric mean of the band",
         mistakes=[
+            (-expected, "right but for the sign: the higher mode is the slower one, so take t_3 - t_1"),
             (expected / 1e3, "right, but in seconds; the exercise asks for milliseconds"),
             (expected / 0.7, "that is the delay at 10 km; a delay is proportional to range"),
             (1e3 * pulse_delay(sea, 1, 2, 7e3), "that is pair 1-2"),

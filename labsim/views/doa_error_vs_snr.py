@@ -78,7 +78,7 @@ class RegimeView:
         self.axes.set(xlabel="SNR of the pressure (dB)", ylabel="RMSE of the angle from the vertical (°)")
         self.axes.set(xlim=(-21, 31), yscale="log", ylim=(FLOOR, CEILING))
         _plain(self.axes.yaxis)
-        self.axes.legend(loc="lower left")
+        self.axes.legend(loc="upper right", bbox_to_anchor=(1, 0.92))
         self.title = self.axes.set_title("Three regimes")
         style.animate(self.simple, self.expected, self.bound, self.points, self.cliff, self.knee)
         style.animate(self.title, *self.names)

@@ -26,7 +26,7 @@ def test_right_answers_are_right_and_dots_are_unanswered(check, answer):
         (exercises.range_abeam, 12_000, "whole path"),
         (exercises.weight_after_misses, 0.01, "survive"),
         (exercises.weight_after_misses, 0.099, "one miss"),
-        (exercises.misses_until_pruned, 4, "just above"),
+        (exercises.misses_until_pruned, 4, "still above"),
         (exercises.clutter_that_fills_the_gate, 4_670, "radius is √20"),
         (exercises.clutter_that_fills_the_gate, 11.7, "square of the gate"),
         (exercises.clutter_that_fills_the_gate, 1, "divide the area"),
