@@ -15,8 +15,10 @@ import platform
 import re
 import sys
 import tempfile
+from contextlib import redirect_stdout
 from dataclasses import is_dataclass
 from importlib.metadata import version
+from io import StringIO
 from pathlib import Path
 
 from labsim.checks import Table
@@ -28,7 +30,7 @@ PACKAGES = ("numpy", "scipy", "matplotlib")
 
 
 def displayed(path):
-    """Run a notebook's code cells, in its folder, and yield each object that a cell shows."""
+    """Run a notebook's code cells, in its folder, and yield each object that a cell shows, but no prints."""
     shown = []
     namespace = {"__name__": "__main__", "display": lambda *objects: shown.extend(objects)}
     folder = os.getcwd()
@@ -37,9 +39,10 @@ def displayed(path):
         for source in code(path):
             tree = ast.parse(source)
             last = tree.body.pop() if tree.body and isinstance(tree.body[-1], ast.Expr) else None
-            exec(compile(tree, path.name, "exec"), namespace)
-            if last is not None:
-                shown.append(eval(compile(ast.Expression(last.value), path.name, "eval"), namespace))
+            with redirect_stdout(StringIO()):
+                exec(compile(tree, path.name, "exec"), namespace)
+                if last is not None:
+                    shown.append(eval(compile(ast.Expression(last.value), path.name, "eval"), namespace))
             yield from shown
             shown.clear()
     finally:
@@ -104,8 +107,8 @@ def versions():
 
 
 def fingerprint(path):
-    """Changes when the notebook, the package or a version changes."""
-    files = [path, *sorted((ROOT / "labsim").rglob("*.py"))]
+    """Changes when the notebook, its data, the package or a version changes."""
+    files = [path, *sorted(path.parent.glob("data/*.*")), *sorted((ROOT / "labsim").rglob("*.py"))]
     content = b"".join(file.read_bytes() for file in files) + json.dumps(versions()).encode()
     return hashlib.sha256(content).hexdigest()
 

@@ -141,6 +141,11 @@ def load_track(path, origin=None):
             rows, header = list(reader), reader.fieldnames or []
         except (UnicodeDecodeError, csv.Error):
             raise ValueError(f"{name} must be a CSV file of text in UTF-8") from None
+    long = next((n for n, row in enumerate(rows, 2) if None in row), None)
+    if long is not None:
+        raise ValueError(
+            f"{name}: row {long} has more values than the header has columns; are there decimal commas?"
+        )
     columns = _columns(name, header)
     pair = next((pair for pair in (("x", "y"), ("latitude", "longitude")) if set(pair) <= set(columns)), None)
     if "time" not in columns or pair is None:

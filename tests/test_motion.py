@@ -204,6 +204,7 @@ def test_a_track_across_the_date_line_stays_in_one_piece(tmp_path):
         ("time,x,y\n0,0,0\n2,0,0\n1,0,0\n", "time in ship.csv must increase, but 1 follows 2"),
         ("time,x,y\n0,0,0\n1,0,0\n1,0,0\n", "time in ship.csv must increase, but 1 follows 1"),
         ("time,latitude,longitude\n0,91,0\n1,0,0\n", "latitude must lie within 90 degrees"),
+        ("time,latitude,longitude\n0,59,90,10,70\n1,59,91,10,71\n", "row 2 has more values than the header"),
     ],
 )
 def test_a_recorded_track_that_cannot_be_read_is_refused_in_words(tmp_path, text, words):

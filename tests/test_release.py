@@ -25,6 +25,15 @@ def test_oldest_python_is_the_first_that_is_listed():
     assert PROJECT["requires-python"] == ">=" + listed[0]
 
 
+def test_readme_installs_the_cluster_beside_the_lab_itself():
+    """Asked for a second time, the lab must be asked for in the same way: pip refuses two kinds."""
+    (line,) = re.findall(
+        r"`pip install ([^`]*cluster[^`]*)`", (ROOT / "README.md").read_text(encoding="utf-8")
+    )
+    assert line == '-r environment.txt -e ".[cluster]"'
+    assert "-e ." in (ROOT / "environment.txt").read_text(encoding="utf-8").splitlines()
+
+
 def test_every_direct_dependency_is_pinned():
     files = ("environment.txt", "tests/environment.txt")
     pins = "".join((ROOT / name).read_text(encoding="utf-8") for name in files)
