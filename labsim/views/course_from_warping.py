@@ -275,7 +275,7 @@ class SceneView:
             "the bearing turns",
             "pulses move with range",
             f"range ratio {off} off",
-            f"paper's {final['paper']}, bearings only, anchored {final['anchored']}",
+            f"paper's {final['paper']}, anchored {final['anchored']}",
         )
         for artist, letter, text in zip(self.titles, "abcd", titles, strict=True):
             artist.set_text(f"{self.names.get(result['motion'], '')}{letter}: {text}")

@@ -80,7 +80,7 @@ def test_the_scene_names_its_figure_and_the_errors():
     assert view.titles[0].get_text() == "Fig. 7a: the bearing turns"
     view.draw(scene("uniform", -1.0))
     assert view.titles[2].get_text() == "Fig. 4c: range ratio 0.4 % off"
-    assert "bearings only, anchored \N{MINUS SIGN}1.0°" in view.titles[3].get_text()
+    assert "anchored \N{MINUS SIGN}1.0°" in view.titles[3].get_text()
     view.draw(scene("uniform", 170.0))
     assert np.all(np.isnan(view.lines["anchored"].get_ydata()))
 
